@@ -318,13 +318,16 @@ Status VaultFolder::make_or_check_vault() {
         "vault '{}': is not there, but its key file '{}' has keys of {} entity-days; is its disk "
         "mounted?",
         name_of(places_.vault), name_of(places_.keys), keys_.day_count());
+  std::error_code error;
+  const bool is_there = fs::exists(places_.vault, error);
   ENGRAM_RETURN_IF_ERROR(make_directories(places_.vault));
   ENGRAM_ASSIGN_OR_RETURN(const bool is_empty, has_no_file(places_.vault));
   if (!is_empty)
     return already_exists("'{}': has other files, needs an empty directory or a new one",
                           name_of(places_.vault));
-  std::error_code error;
-  fs::permissions(places_.vault, fs::perms::owner_all, error);
+  // Whoever made the directory decided who may fetch the vault, say a backup of another user. File
+  // systems without permissions do without.
+  if (!is_there) fs::permissions(places_.vault, fs::perms::owner_all, error);
   return make_mark();
 }
 

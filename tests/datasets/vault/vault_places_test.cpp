@@ -99,6 +99,22 @@ TEST_F(VaultAtPlaces, RefusesADirectoryWithOtherFiles) {
   EXPECT_EQ(names(), std::set<std::string>{"letter.txt"});
 }
 
+TEST_F(VaultAtPlaces, KeepsThePermissionsOfADirectoryThatIsThere) {
+  make_store();
+  namespace fs = std::filesystem;
+  const auto for_group = fs::perms::owner_all | fs::perms::group_read | fs::perms::group_exec;
+  fs::create_directory(places_.vault);
+  fs::permissions(places_.vault, for_group);
+  exported();
+  EXPECT_EQ(fs::status(places_.vault).permissions(), for_group);
+  places_ = {scratch_ / "new", scratch_ / "new.keys"};
+  exported();
+  EXPECT_EQ(fs::status(places_.vault).permissions(), fs::perms::owner_all);
+  fs::permissions(places_.vault, for_group);
+  exported();
+  EXPECT_EQ(fs::status(places_.vault).permissions(), for_group);
+}
+
 TEST_F(VaultAtPlaces, AMarkOfATerabyteIsNotReadWhole) {
   make_store();
   exported();
