@@ -49,6 +49,20 @@ std::optional<RandomId> id_of_name(std::string_view name) {
   return id;
 }
 
+/// The name of a file of a day.
+struct DayFileName {
+  RandomId id{};
+  bool is_unfinished = false;
+};
+
+std::optional<DayFileName> parsed(std::string_view name) {
+  const bool is_unfinished = name.ends_with(kUnfinished);
+  if (is_unfinished) name.remove_suffix(kUnfinished.size());
+  const auto id = id_of_name(name);
+  if (!id) return std::nullopt;
+  return DayFileName{*id, is_unfinished};
+}
+
 /// Both paths without links, since the key file is replaced and a link to it must not be.
 Result<VaultPlaces> resolved(const VaultPlaces& places) {
   std::error_code error;
@@ -94,21 +108,47 @@ Result<std::vector<std::byte>> read_mark(const fs::path& vault) {
   return bytes;
 }
 
-Status write_mark(const fs::path& vault, const RandomId& id) {
+std::vector<std::byte> mark_of(const RandomId& vault) {
   std::vector<std::byte> bytes;
   FieldWriter out(bytes);
   out.bytes(as_bytes(kMarkMagic));
   out.number(kMarkVersion);
-  out.bytes(id);
-  return replace_file(vault / kMarkName, bytes);
+  out.bytes(vault);
+  return bytes;
+}
+
+Status is_busy(const fs::path& vault) {
+  return failed_precondition("vault '{}': another process is changing it", name_of(vault));
+}
+
+void warn_of_no_lock(const fs::path& vault, const Status& why) {
+  log::warning("vault '{}': nothing here can be locked, so only one process may change it: {}",
+               name_of(vault), why.message());
+}
+
+/// Gives a new file the name of the mark, which nobody else may have given to another meanwhile.
+Status name_mark(const fs::path& made, const fs::path& vault) {
+  const fs::path mark = vault / kMarkName;
+  if (::link(made.c_str(), mark.c_str()) == 0) {
+    ENGRAM_RETURN_IF_ERROR(remove_file(made));
+    return sync_directory(vault);
+  }
+  const int error = errno;
+  if (error == EEXIST) ENGRAM_RETURN_IF_ERROR(remove_file(made));
+  // Whoever made it first has removed what was unfinished.
+  if (error == EEXIST || error == ENOENT) return is_busy(vault);
+  // File systems without second names: memory cards.
+  return publish_file(made, mark);
 }
 
 /// A killed process may have left the file that was to name the vault.
 Result<bool> has_no_file(const fs::path& vault) {
   std::error_code error;
   for (fs::directory_iterator entry(vault, error), end; !error && entry != end;
-       entry.increment(error))
-    if (entry->path().filename() != std::string(kMarkName) + ".new") return false;
+       entry.increment(error)) {
+    const auto name = parsed(entry->path().filename().string());
+    if (!name || !name->is_unfinished) return false;
+  }
   if (error) return unavailable("'{}': {}", name_of(vault), error.message());
   return true;
 }
@@ -135,12 +175,10 @@ Result<std::optional<File>> lock_mark(const fs::path& vault) {
     if (file.ok()) is_locked = file->lock(false);
   }
   if (!file.ok() || !is_locked.ok()) {
-    log::warning("vault '{}': nothing here can be locked, so only one process may change it: {}",
-                 name_of(vault), (file.ok() ? is_locked.status() : file.status()).message());
+    warn_of_no_lock(vault, file.ok() ? is_locked.status() : file.status());
     return std::optional<File>();
   }
-  if (!*is_locked)
-    return failed_precondition("vault '{}': another process is changing it", name_of(vault));
+  if (!*is_locked) return is_busy(vault);
   return std::optional(*std::move(file));
 }
 
@@ -222,11 +260,8 @@ Result<VaultFiles> list_files(const fs::path& vault) {
   std::error_code error;
   for (fs::directory_iterator entry(vault, error), end; !error && entry != end;
        entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    const bool is_unfinished = name.ends_with(kUnfinished);
-    const auto id = id_of_name(
-        std::string_view(name).substr(0, name.size() - (is_unfinished ? kUnfinished.size() : 0)));
-    if (id) (is_unfinished ? files.unfinished : files.whole).push_back(*id);
+    const auto name = parsed(entry->path().filename().string());
+    if (name) (name->is_unfinished ? files.unfinished : files.whole).push_back(name->id);
   }
   if (error) return unavailable("vault '{}': {}", name_of(vault), error.message());
   return files;
@@ -311,7 +346,7 @@ Status VaultFolder::make_or_check_vault() {
   if (id.ok()) return check_same_vault(places_, *id, keys_);
   const StatusCode why = id.status().code();
   if (why != StatusCode::kNotFound && why != StatusCode::kDataLoss) return id.status();
-  if (has_any_file(places_.vault, keys_)) return make_mark();
+  if (has_any_file(places_.vault, keys_)) return make_mark(why == StatusCode::kDataLoss);
   if (why == StatusCode::kDataLoss) return id.status();
   if (keys_.day_count() + keys_.destroyed_count() > 0)
     return failed_precondition(
@@ -328,13 +363,22 @@ Status VaultFolder::make_or_check_vault() {
   // Whoever made the directory decided who may fetch the vault, say a backup of another user. File
   // systems without permissions do without.
   if (!is_there) fs::permissions(places_.vault, fs::perms::owner_all, error);
-  return make_mark();
+  return make_mark(false);
 }
 
-Status VaultFolder::make_mark() {
-  ENGRAM_RETURN_IF_ERROR(write_mark(places_.vault, keys_.vault));
-  ENGRAM_ASSIGN_OR_RETURN(lock_of_new_mark_, lock_mark(places_.vault));
-  return {};
+Status VaultFolder::make_mark(bool replaces_damaged) {
+  RandomId name{};
+  ENGRAM_RETURN_IF_ERROR(fill_random(name));
+  const fs::path made = new_file(name);
+  ENGRAM_ASSIGN_OR_RETURN(File file, File::open(made, File::Mode::kCreate));
+  // Before it is the mark, so that nobody else's lock comes first.
+  if (const auto is_locked = file.lock(false); !is_locked.ok())
+    warn_of_no_lock(places_.vault, is_locked.status());
+  ENGRAM_RETURN_IF_ERROR(file.append(mark_of(keys_.vault)));
+  ENGRAM_RETURN_IF_ERROR(file.sync());
+  lock_of_new_mark_ = std::move(file);
+  if (replaces_damaged) return publish_file(made, places_.vault / kMarkName);
+  return name_mark(made, places_.vault);
 }
 
 /// Ends what a killed process began.

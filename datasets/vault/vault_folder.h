@@ -107,7 +107,7 @@ class VaultFolder {
   static Result<VaultFolder> lock(const VaultPlaces& real);
   Status make_or_read_keys();
   Status make_or_check_vault();
-  Status make_mark();
+  Status make_mark(bool replaces_damaged);
   Status clean();
   Status save();
   void lose_reach(const Status& why);
@@ -116,7 +116,7 @@ class VaultFolder {
   VaultPlaces places_;
   File lock_;  ///< Of the key file.
   std::optional<File> lock_of_mark_;
-  std::optional<File> lock_of_new_mark_;  ///< If the mark was written anew.
+  std::optional<File> lock_of_new_mark_;  ///< If the mark was made, or written anew.
   VaultKeys keys_;
   bool is_within_reach_ = false;
   bool has_changes_ = false;

@@ -3,6 +3,9 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <barrier>
+#include <future>
+
 #include "datasets/vault/wiped_file.h"
 #include "tests/datasets/vault/vault_fixture.h"
 
@@ -167,6 +170,25 @@ TEST_F(VaultAtPlaces, OneOfTwoCopiesOfTheKeysChangesItAtATime) {
   const auto first = VaultFolder::open(copy);
   ASSERT_OK(first);
   EXPECT_FAILS(VaultFolder::open(places_), StatusCode::kFailedPrecondition, "another process");
+}
+
+TEST_F(VaultAtPlaces, OneOfTwoThatMakeItAtOnceIsRefused) {
+  for (int round = 0; round < 50; ++round) {
+    const std::string name = std::to_string(round);
+    const auto vault = scratch_ / ("vault" + name);
+    std::filesystem::create_directory(vault);
+    std::barrier start(2);
+    const auto make = [&](const std::string& keys) {
+      start.arrive_and_wait();
+      return VaultFolder::open({vault, scratch_ / (keys + name)});
+    };
+    auto other = std::async(std::launch::async, make, "b.keys");
+    const auto one = make("a.keys");
+    const auto two = other.get();
+    ASSERT_NE(one.ok(), two.ok()) << one.status().to_string() << '\n' << two.status().to_string();
+    const auto made = one.ok() ? one->keys().vault : two->keys().vault;
+    EXPECT_EQ(*read_vault_id(vault), made);
+  }
 }
 
 TEST_F(VaultAtPlaces, LeftoversOfAKilledReplacementAreWiped) {
