@@ -145,7 +145,7 @@ struct SealedFileWriter::State {
   Status seal(bool is_last) {
     const std::span<std::byte> all(chunk);
     if (!cipher.run(number, is_last, all.first(used), all.subspan(used).first<kSealBytes>()))
-      return unavailable("'{}': OpenSSL cannot encrypt", file.path().string());
+      return unavailable("'{}': OpenSSL cannot encrypt", printable(file.path().string()));
     ENGRAM_RETURN_IF_ERROR(file.append(all.first(used + kSealBytes)));
     file_bytes += used + kSealBytes;
     ++number;

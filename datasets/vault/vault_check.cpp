@@ -5,6 +5,7 @@
 
 #include "datasets/vault/day_records.h"
 #include "datasets/vault/work_progress.h"
+#include "ltm/core/printable.h"
 
 namespace engram::datasets::vault {
 
@@ -71,6 +72,7 @@ class VaultCheck {
     const auto path = day_file(vault_, kept.file);
     count(path);
     ENGRAM_ASSIGN_OR_RETURN(DayReader reader, DayReader::open(path, entity, day, kept));
+    const std::string name = printable_day(entity, day);
     uint64_t found = 0;
     while (true) {
       if (stop_.stop_requested()) return cancelled("verifying was stopped");
@@ -78,11 +80,11 @@ class VaultCheck {
       if (!snapshot) break;
       ++found;
       ++report_.snapshots;
-      progress_.add(1, day_text(day) + " " + entity.to_string());
+      progress_.add(1, name);
     }
     if (found == kept.snapshots) return {};
-    return data_loss("'{}': has {} snapshots, the key file says {}", path.string(), found,
-                     kept.snapshots);
+    return data_loss("'{}': has {} snapshots, the key file says {}", printable(path.string()),
+                     found, kept.snapshots);
   }
 
   void count(const std::filesystem::path& path) {

@@ -186,13 +186,14 @@ class VaultExport {
     ENGRAM_RETURN_IF_ERROR(writer.put_columns(*columns));
     const auto timeline = recall_.store().timeline(day.entity);
     if (!timeline.ok()) return note_unread(timeline.status());
+    const std::string name = printable_day(day.entity, day.day);
     Status failed;
     const Status visited = (*timeline)->for_each(
         day_begin(day.day), day_end(day.day), [&](const ltm::SnapshotEntry& entry) -> Status {
           if (stop_.stop_requested()) return failed = cancelled("export was stopped");
           auto snapshot = read(day.entity, entry);
           if (!snapshot.ok()) return failed = note_unread(snapshot.status());
-          progress_.add(1, day_text(day.day) + " " + day.entity.to_string());
+          progress_.add(1, name);
           return failed = writer.put(*std::move(snapshot));
         });
     ENGRAM_RETURN_IF_ERROR(failed);

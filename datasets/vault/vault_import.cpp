@@ -8,6 +8,7 @@
 
 #include "datasets/vault/day_records.h"
 #include "datasets/vault/work_progress.h"
+#include "ltm/core/printable.h"
 #include "ltm/store/publish_recorded.h"
 #include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
@@ -126,7 +127,7 @@ class VaultImport {
       if (known != nullptr && !(*known == type))
         return failed_precondition(
             "store '{}': segment '{}' has another type than in the vault; needs a new store",
-            store_.string(), segment.printable());
+            printable(store_.string()), segment.printable());
     }
     return {};
   }
@@ -142,6 +143,7 @@ class VaultImport {
     ++report_.days;
     auto reader = DayReader::open(day_file(vault_, kept.file), entity, day, kept);
     if (!reader.ok()) return note_damage(entity, day, kept, reader.status());
+    const std::string name = printable_day(entity, day);
     while (true) {
       if (stop_.stop_requested()) {
         report_.is_cancelled = true;
@@ -150,7 +152,7 @@ class VaultImport {
       auto snapshot = reader->next();
       if (!snapshot.ok()) return note_damage(entity, day, kept, snapshot.status());
       if (!*snapshot) return {};
-      progress_.add(1, day_text(day) + " " + entity.to_string());
+      progress_.add(1, name);
       ENGRAM_RETURN_IF_ERROR(take(**std::move(snapshot), reader->columns()));
     }
   }
@@ -184,7 +186,7 @@ class VaultImport {
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t free, free_disk_bytes(store_));
     if (free < needed)
       return resource_exhausted("store '{}': the disk has {} bytes left, importing needs {}",
-                                store_.string(), free, needed);
+                                printable(store_.string()), free, needed);
     return batch_.publish(store_, writer_->types(), report_);
   }
 

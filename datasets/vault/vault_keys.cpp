@@ -168,6 +168,10 @@ std::string day_text(Day day) {
                      static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
 }
 
+std::string printable_day(const ltm::MemoryId& entity, Day day) {
+  return day_text(day) + " " + entity.printable();
+}
+
 Result<Day> parse_day(std::string_view text) {
   const auto wrong = [text] {
     return invalid_argument("'{}' is no day, needs one as in 2022-02-18", printable(text));

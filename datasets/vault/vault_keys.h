@@ -23,6 +23,8 @@ using Day = int32_t;
 [[nodiscard]] Time day_end(Day day);
 /// "2022-02-18".
 [[nodiscard]] std::string day_text(Day day);
+/// "2022-02-18 Vision/RGB/head/cam", as a person may read it on a terminal.
+[[nodiscard]] std::string printable_day(const ltm::MemoryId& entity, Day day);
 /// Errors: kInvalidArgument.
 Result<Day> parse_day(std::string_view text);
 

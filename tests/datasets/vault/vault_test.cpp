@@ -196,12 +196,12 @@ TEST_F(Vault, ARefusedImportDeclaresNothing) {
   const auto cage = *ltm::MemoryId::from_names({"Zoo", "Ape", "cage"});
   ASSERT_OK((*ltm::StoreWriter::open(store_, {}))->declare(cage, arm_type()));
   exported();
-  const auto back = scratch_ / "back";
+  const auto back = scratch_ / "\x1b[31mback";
   ASSERT_OK(ltm::create_store(back));
   const auto other = idf::Type::object("Cage", {{"doors", idf::Type::string()}});
   ASSERT_OK((*ltm::StoreWriter::open(back, {}))->declare(cage, other));
   EXPECT_FAILS(import_from_vault(places_, back, {}, {}), StatusCode::kFailedPrecondition,
-               "another type");
+               "\\x1b[31mback': segment 'Zoo/Ape/cage' has another type");
   EXPECT_EQ(ltm::read_manifest(back)->types.all().size(), 1U);
   EXPECT_EQ(ltm::read_manifest(back)->types.find(arm().parent()), nullptr);
 }
@@ -239,6 +239,25 @@ TEST_F(Vault, AStoppedImportReportsWhatCameIn) {
   const auto rest = imported(back);
   EXPECT_EQ(rest.already_there, found);
   EXPECT_EQ(answers(store_), answers(back));
+}
+
+TEST_F(Vault, ProgressNamesEntitiesAsATerminalMayShowThem) {
+  make_store();
+  std::string told;
+  const ProgressSink progress = [&told](const Progress& step) { told += step.detail; };
+  const auto expect_escaped = [&told] {
+    EXPECT_NE(told.find("2019-04-14 Body/Arm/left/arm"), std::string::npos) << told;
+    EXPECT_NE(told.find("\\x1b[31m\\n"), std::string::npos) << told;
+    EXPECT_EQ(told.find_first_of("\x1b\n"), std::string::npos) << told;
+    told.clear();
+  };
+  ltm::Recall recall(*ltm::StoreReader::open(store_), loader_);
+  EXPECT_OK(export_to_vault(recall, *ltm::Query::parse("@ all"), places_, {}, progress, {}));
+  expect_escaped();
+  EXPECT_OK(check_vault(places_, progress, {}));
+  expect_escaped();
+  EXPECT_OK(import_from_vault(places_, scratch_ / "back", progress, {}));
+  expect_escaped();
 }
 
 TEST_F(Vault, IsOfOneStore) {
