@@ -137,7 +137,7 @@ Status name_mark(const fs::path& made, const fs::path& vault) {
   if (error == EEXIST) ENGRAM_RETURN_IF_ERROR(remove_file(made));
   // Whoever made it first has removed what was unfinished.
   if (error == EEXIST || error == ENOENT) return is_busy(vault);
-  // File systems without second names: memory cards.
+  // File systems without second names, as FAT: this one may replace another.
   return publish_file(made, mark);
 }
 
