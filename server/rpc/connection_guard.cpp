@@ -241,13 +241,20 @@ struct ConnectionGuard::State {
   void run() {
     // The streams of a connection are gone some time after it.
     constexpr int kIntervalsUntilGone = 20, kTimes = 3;
+    // What gRPC keeps of a connection without a flood, it frees with it; but not to the system.
+    constexpr int kIntervalsUntilFreed = 200;
+    constexpr size_t kMaxFreed = size_t{64} << 20;
     Watch watch;
     int until_memory = 0;
+    int until_freed = kIntervalsUntilFreed;
     while (!wait()) {
       const uint64_t cut_now = watch.look();
       cut += cut_now;
       if (cut_now > 0) until_memory = kTimes * kIntervalsUntilGone;
       if (until_memory > 0 && --until_memory % kIntervalsUntilGone == 0) give_back_memory();
+      if (--until_freed > 0) continue;
+      until_freed = kIntervalsUntilFreed;
+      give_back_memory_above(kMaxFreed);
     }
   }
 };

@@ -61,6 +61,14 @@ Result<std::shared_ptr<grpc::ServerCredentials>> credentials(const Endpoint& end
 
 }  // namespace
 
+/// The bound of what gRPC keeps of what came and was not handed over yet: several of the largest
+/// messages. Beyond it gRPC ends streams and connections. Unit: bytes.
+size_t received_bytes(const RpcServer::Options& options) {
+  constexpr size_t kMin = size_t{128} << 20;
+  constexpr size_t kMessages = 4;
+  return std::max(kMin, kMessages * static_cast<size_t>(options.max_message_bytes));
+}
+
 struct RpcServer::State {
   Options options;
   std::unique_ptr<grpc::Server> server;
@@ -100,6 +108,7 @@ Result<std::unique_ptr<RpcServer>> RpcServer::start(const Options& options,
   }
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   builder.SetMaxSendMessageSize(-1);
+  builder.SetResourceQuota(grpc::ResourceQuota("engram").Resize(received_bytes(options)));
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // ConnectionGuard reads its counts, whatever GRPC_ENABLE_CHANNELZ says.

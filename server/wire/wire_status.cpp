@@ -3,6 +3,12 @@
 
 namespace engram::server {
 
+namespace {
+
+constexpr std::string_view kTakenBack = "Received RST_STREAM";
+
+}  // namespace
+
 grpc::StatusCode to_grpc_code(StatusCode code) {
   switch (code) {
     case StatusCode::kOk: return grpc::StatusCode::OK;
@@ -38,7 +44,11 @@ Status to_status(grpc::StatusCode code, const std::string& message) {
       return failed_precondition("the other side does not know this: {}", message);
     case grpc::StatusCode::DATA_LOSS: return Status(StatusCode::kDataLoss, message);
     case grpc::StatusCode::RESOURCE_EXHAUSTED:
-      return Status(StatusCode::kResourceExhausted, message);
+      // No answer: gRPC takes streams back where others filled its quota of memory. They may be
+      // opened anew.
+      return Status(message.starts_with(kTakenBack) ? StatusCode::kUnavailable
+                                                    : StatusCode::kResourceExhausted,
+                    message);
     case grpc::StatusCode::CANCELLED: return Status(StatusCode::kCancelled, message);
     default: return Status(StatusCode::kUnavailable, message);
   }
