@@ -121,6 +121,77 @@ TEST_P(Interrupt, EndsTheCommandSoonAndLeavesTheStoreWhole) {
   EXPECT_GT(interrupted, 1);
 }
 
+class InterruptOfClients : public Interrupt {};
+
+/// Commands that ask a running server, each with a store and a server of its own.
+TEST_P(InterruptOfClients, EndsTheCommandSoonAndTheServerGoesOn) {
+  const ScratchDirectory scratch;
+  const std::string store = scratch.path() / "robot.engram";
+  const std::string endpoint = "unix:" + (scratch.path() / "s").string();
+  std::vector<std::string> command = GetParam();
+  std::ranges::replace(command, "ENDPOINT", endpoint);
+  WallClock::duration lasts = kLongest;
+  int interrupted = 0;
+  for (int round = -1; round < kMoments; ++round) {
+    SCOPED_TRACE(round);
+    std::filesystem::remove_all(store);
+    std::filesystem::copy(made_, store, std::filesystem::copy_options::recursive);
+    RunningEngram server({"serve", store, "--no-system-state", "--listen", endpoint});
+    ASSERT_TRUE(server.wait_for("listens at"));
+    const auto begin = WallClock::now();
+    RunningEngram running(command);
+    if (round < 0) {
+      const RunResult whole = running.end(0);
+      EXPECT_EQ(whole.exit_code, 0) << whole.err;
+      lasts = std::min<WallClock::duration>(WallClock::now() - begin, kLongest);
+    } else {
+      std::this_thread::sleep_for(lasts * (round + 1) / (kMoments + 1));
+      const auto told = WallClock::now();
+      const int signal = round % 2 == 0 ? SIGINT : SIGTERM;
+      const RunResult result = running.end(signal);
+      EXPECT_LT(WallClock::now() - told, kSoon);
+      EXPECT_THAT(result.exit_code, ::testing::AnyOf(128 + signal, -signal, 0)) << result.err;
+      interrupted += result.exit_code != 0 ? 1 : 0;
+    }
+    // The same command finds all that it names, or carries on; it may find nothing any more.
+    RunResult again = run_engram(command);
+    // A server that was told to stop ends the step that it is in.
+    for (int i = 0; i < 60 && again.err.find("is forgetting already") != std::string::npos; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(500));
+      again = run_engram(command);
+    }
+    EXPECT_TRUE(again.exit_code == 0 || again.err.find("names no snapshot") != std::string::npos)
+        << again.err;
+    EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
+    const RunResult check = run_engram({"check", store});
+    EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+  }
+  EXPECT_GT(interrupted, 1);
+}
+
+std::string test_name(const std::vector<std::string>& command) {
+  std::string name = command.front();
+  for (const std::string& word : command)
+    if (word == "VAULT" || word == "NEW_KEYS")
+      name += "_vault";
+    else if (word == "--jobs")
+      name += "_in_two_processes";
+    else if (word == "--dry-run")
+      name += "_dry_run";
+    else if (word == "--erase")
+      name += "_erase";
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, InterruptOfClients,
+                         ::testing::ValuesIn(std::vector<std::vector<std::string>>{
+                             {"query", "--server", "ENDPOINT", "Vision @ all", "--json"},
+                             {"forget", "--server", "ENDPOINT", "Vision @ all", "--yes"},
+                             {"forget", "--server", "ENDPOINT", "Vision @ latest:25", "--erase",
+                              "--yes"},
+                         }),
+                         [](const auto& command) { return test_name(command.param); });
+
 INSTANTIATE_TEST_SUITE_P(
     Commands, Interrupt,
     ::testing::ValuesIn(std::vector<std::vector<std::string>>{
@@ -149,19 +220,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"import", "--from", "VAULT", "--keys", "KEYS", "NEW"},
         {"vault", "verify", "VAULT", "--keys", "KEYS"},
     }),
-    [](const auto& command) {
-      std::string name = command.param.front();
-      for (const std::string& word : command.param)
-        if (word == "VAULT" || word == "NEW_KEYS")
-          name += "_vault";
-        else if (word == "--jobs")
-          name += "_in_two_processes";
-        else if (word == "--dry-run")
-          name += "_dry_run";
-        else if (word == "--erase")
-          name += "_erase";
-      return name;
-    });
+    [](const auto& command) { return test_name(command.param); });
 
 }  // namespace
 }  // namespace engram::cli
