@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +19,33 @@ struct Box {
   double height = 0;
 
   friend bool operator==(const Box&, const Box&) = default;
+};
+
+/// A box as parts of the image's sides, so that it holds if the size of images changes. 0..1.
+struct RelativeBox {
+  double left = 0, top = 0, right = 0, bottom = 0;
+
+  [[nodiscard]] bool contains(const RelativeBox& other) const {
+    return left <= other.left && top <= other.top && right >= other.right && bottom >= other.bottom;
+  }
+  [[nodiscard]] double area() const { return (right - left) * (bottom - top); }
+
+  friend bool operator==(const RelativeBox&, const RelativeBox&) = default;
+};
+
+/// The smallest box that contains both.
+[[nodiscard]] inline RelativeBox hull(const RelativeBox& a, const RelativeBox& b) {
+  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
+          std::max(a.bottom, b.bottom)};
+}
+
+/// An image of an entity.
+struct ImagePlace {
+  size_t instance = 0;
+  std::string member;  ///< The path in the value.
+  int64_t image = 0;
+
+  friend bool operator==(const ImagePlace&, const ImagePlace&) = default;
 };
 
 /// Max number of boxes of one image. An answer with more is refused.

@@ -3,57 +3,58 @@
 
 // Private to this room: what was found lately in the images of one entity.
 
-#include <deque>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "ltm/core/time.h"
+#include "ltm/redaction/box.h"
 
 namespace engram::ltm {
 
-/// A box as parts of the image's sides, so that it holds if the size of images changes. 0..1.
-struct RelativeBox {
-  double left = 0, top = 0, right = 0, bottom = 0;
-
-  [[nodiscard]] bool contains(const RelativeBox& other) const {
-    return left <= other.left && top <= other.top && right >= other.right && bottom >= other.bottom;
-  }
-};
-
-/// An image of an entity.
-struct ImagePlace {
-  size_t instance = 0;
-  std::string member;
-  int64_t image = 0;
-
-  friend bool operator==(const ImagePlace&, const ImagePlace&) = default;
-};
-
 /// The boxes that were seen in the images of one entity, of which those count that were seen within
-/// `hold` before or after a time. Times may come in any order; if a clock is set back, boxes of the
-/// later times wait until they count again, or until kMax newer ones came.
+/// `hold` before or after a time. Times may come in any order.
 ///
+/// A box is never lost while it counts. If there are too many, neighbours are joined to the hull of
+/// both, for as long as either counts: that redacts more. One snapshot of a wrong time changes
+/// nothing, because a box goes only when it did not count for kPatience snapshots in a row. Boxes
+/// of later times, after a clock was set back, stay until room is needed.
 /// Threading: one thread.
 class HeldBoxes {
  public:
   static constexpr size_t kMax = 512;
+  static constexpr int kPatience = 16;
+
+  /// `max` is how many it holds before it joins some. It must be above zero.
+  explicit HeldBoxes(size_t max = kMax) : max_(max) {}
+
+  /// Notes that a snapshot of this time comes. To be called once for it, ahead of its images.
+  void begin(Time time, Duration hold);
 
   /// Those that hold for an image of this time and are in none of `seen`, which are added to them.
   std::vector<RelativeBox> hold(const ImagePlace& place, Time time, Duration hold,
                                 const std::vector<RelativeBox>& seen);
 
-  [[nodiscard]] bool empty() const { return boxes_.empty(); }
+  /// Adds one that was seen. `hold` must be above zero.
+  void add(const ImagePlace& place, Time time, Duration hold, const RelativeBox& box);
 
-  /// Whether nothing of it holds at this time or later.
-  [[nodiscard]] bool is_over(Time time, Duration hold) const;
+  [[nodiscard]] bool empty() const { return boxes_.empty(); }
+  [[nodiscard]] size_t size() const { return boxes_.size(); }
 
  private:
   struct Held {
-    ImagePlace place;
+    std::optional<ImagePlace> place;  ///< Nothing: any image of the entity.
     RelativeBox box;
-    Time seen{};
+    /// It was seen at both, and never longer than twice the hold apart unless boxes were joined.
+    Time first{}, last{};
+    int missed = 0;  ///< The snapshots in a row for which it did not count.
+
+    [[nodiscard]] bool counts(Time time, Duration hold) const;
   };
-  std::deque<Held> boxes_;  ///< In the order in which they came.
+
+  void join_two(Duration hold);
+
+  size_t max_;
+  std::vector<Held> boxes_;  ///< In the order in which they came.
 };
 
 }  // namespace engram::ltm

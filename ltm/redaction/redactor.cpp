@@ -14,8 +14,10 @@ namespace engram::ltm {
 namespace {
 
 constexpr double kMaxGrow = 10;
-/// Entities whose boxes are held; beyond that some boxes hold no longer.
-constexpr size_t kMaxHeldEntities = 20'000;
+/// Beyond so many entities with held boxes, further ones join theirs early, which bounds the RAM of
+/// a memory of a million cameras.
+constexpr size_t kManyHeldEntities = 20'000;
+constexpr size_t kFewBoxes = 4;
 
 /// An image of a snapshot, and what is to be redacted in it.
 struct LookedImage {
@@ -123,6 +125,11 @@ struct Redactor::State {
     return relative;
   }
 
+  static HeldBoxes& boxes_of(Rule& rule, const MemoryId& entity) ENGRAM_REQUIRES(rule.mutex) {
+    const size_t max = rule.held.size() < kManyHeldEntities ? HeldBoxes::kMax : kFewBoxes;
+    return rule.held.try_emplace(entity, max).first->second;
+  }
+
   /// Adds to the boxes of images those that hold of earlier times, and remembers the new ones.
   static void hold(Rule& rule, const MemoryId& entity, Time time,
                    std::vector<LookedImage>& images) {
@@ -132,11 +139,8 @@ struct Redactor::State {
         std::ranges::any_of(images, [](const auto& i) { return !i.boxes.empty(); });
     const auto known = rule.held.find(entity);
     if (known == rule.held.end() && !is_found) return;
-    if (known == rule.held.end() && rule.held.size() >= kMaxHeldEntities) {
-      std::erase_if(rule.held, [&](const auto& one) { return one.second.is_over(time, length); });
-      if (rule.held.size() >= kMaxHeldEntities) rule.held.erase(rule.held.begin());
-    }
-    HeldBoxes& held = rule.held[entity];
+    HeldBoxes& held = boxes_of(rule, entity);
+    held.begin(time, length);
     for (LookedImage& image : images) {
       const auto holding = held.hold(image.place, time, length, image.boxes);
       image.boxes.insert(image.boxes.end(), holding.begin(), holding.end());

@@ -127,7 +127,21 @@ TEST_F(RedactorTest, HoldsABoxUntilItIsLongGone) {
   EXPECT_FALSE(is_filled(-1100));
   EXPECT_TRUE(is_filled(1000));
   EXPECT_FALSE(is_filled(1001));
-  EXPECT_FALSE(is_filled(900)) << "it was forgotten";
+  EXPECT_TRUE(is_filled(900)) << "one that comes late";
+}
+
+TEST_F(RedactorTest, HoldsABoxThoughOneSnapshotHasATimeFarAhead) {
+  RedactionOptions options = marker_redaction(scratch_.path());
+  options.hold = std::chrono::seconds(1);
+  options.action = RedactAction::kFill;
+  open(options);
+  Snapshot seen = snapshot(image_with_secret(64, 48, 20, 10), 0);
+  redactor_->redact(seen);
+  Snapshot ahead = snapshot(image_with_secret(64, 48, -1, 0), 3'600'000);
+  EXPECT_EQ(redactor_->redact(ahead).redacted, 0u);
+  Snapshot next = snapshot(image_with_secret(64, 48, -1, 0), 100);
+  EXPECT_EQ(redactor_->redact(next).redacted, 1u);
+  EXPECT_EQ(red(image_of(next), 25, 15), 0);
 }
 
 TEST_F(RedactorTest, HoldsABoxThoughTheSizeOfImagesChanges) {
