@@ -62,6 +62,7 @@ class SnapshotRedaction {
     if (job_.stop.stop_requested()) return cancelled("redacting was stopped");
     if (job_.progress) job_.progress({"redact " + entity.to_string(), done_, all_, "", -1});
     ++done_;
+    ENGRAM_RETURN_IF_ERROR(redactor_.wait_ready(job_.stop));
     ENGRAM_ASSIGN_OR_RETURN(RecalledSnapshot read, past.read(time, Prefer::kRecorded));
     Snapshot snapshot{entity, time, {}};
     for (InstanceResult& instance : read.answer.instances)

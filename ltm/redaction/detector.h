@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,6 +44,14 @@ class Detector {
   /// Errors: kUnavailable if it gave no answer, in time or at all. The image may then hold
   /// anything.
   virtual Result<std::vector<Box>> find(const DetectorImage& image) = 0;
+
+  /// Waits until find() may answer, for those who have time to wait. Servers do not: find() tells
+  /// them at once.
+  /// Errors: kUnavailable if it is not so within the time that a new start may take; kCancelled on
+  /// a stop.
+  virtual Status wait_ready(const std::stop_token& stop) {
+    return stop.stop_requested() ? cancelled("redacting was stopped") : Status();
+  }
 };
 
 }  // namespace engram::ltm

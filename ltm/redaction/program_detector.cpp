@@ -170,6 +170,21 @@ Result<std::vector<Box>> ProgramDetector::find(const DetectorImage& image) {
   return boxes.status().with_context("detector 'program'");
 }
 
+Status ProgramDetector::wait_ready(const std::stop_token& stop) {
+  State& state = *state_;
+  // The longest pause, and a start.
+  const Duration patience = kLongestPause + state.options.start_timeout + std::chrono::seconds(1);
+  const MutexLock lock(state.mutex);
+  state.changed.wait_for(state.mutex, stop, patience, [&state]() ENGRAM_REQUIRES(state.mutex) {
+    return state.phase == State::Phase::kReady;
+  });
+  if (state.phase == State::Phase::kReady) return {};
+  const std::string& program = state.options.command.front();
+  if (stop.stop_requested()) return cancelled("detector '{}': stopped", program);
+  return unavailable("detector '{}' is not ready again after {}: {}", program, to_string(patience),
+                     state.why.message());
+}
+
 uint64_t ProgramDetector::starts() const {
   const MutexLock lock(state_->mutex);
   return state_->starts;

@@ -46,6 +46,7 @@ class ProgramDetector final : public Detector {
 
   [[nodiscard]] std::string_view name() const override { return "program"; }
   Result<std::vector<Box>> find(const DetectorImage& image) override;
+  Status wait_ready(const std::stop_token& stop) override;
 
   /// How often the program was started.
   [[nodiscard]] uint64_t starts() const;

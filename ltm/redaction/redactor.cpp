@@ -270,6 +270,12 @@ RedactionOutcome Redactor::redact(const MemoryId& entity, Time time,
   return outcome;
 }
 
+Status Redactor::wait_ready(const std::stop_token& stop) {
+  for (const auto& rule : state_->rules)
+    if (rule->detector) ENGRAM_RETURN_IF_ERROR(rule->detector->wait_ready(stop));
+  return {};
+}
+
 RedactionCounters Redactor::counters() const {
   const MutexLock lock(state_->mutex);
   return state_->counters;

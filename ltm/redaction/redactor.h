@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,6 +77,9 @@ class Redactor {
   /// The same for the values of an entity at a time that are no snapshot, such as an answer's.
   RedactionOutcome redact(const MemoryId& entity, Time time, std::span<idf::Data* const> values,
                           RedactionMemory memory);
+
+  /// Waits until all detectors can answer, for those who have time: see Detector::wait_ready.
+  Status wait_ready(const std::stop_token& stop);
 
   /// Of all calls so far.
   [[nodiscard]] RedactionCounters counters() const;
