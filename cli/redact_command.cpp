@@ -91,9 +91,14 @@ ExitCode run_redaction(const RedactArguments& arguments) {
                       arguments.detector, arguments.store)))
     return fail(cancelled("redact: nothing was changed"));
   ProgressLine progress;
-  const auto report = ltm::redact_store(
-      {arguments.store, arguments.targets, *options, arguments.is_dry_run, model_loader(),
-       code_anew_after_redaction, progress.sink(), interrupt_token()});
+  const auto report = ltm::redact_store({.store = arguments.store,
+                                         .targets = arguments.targets,
+                                         .options = *options,
+                                         .is_dry_run = arguments.is_dry_run,
+                                         .loader = model_loader(),
+                                         .code_anew = code_anew_after_redaction,
+                                         .progress = progress.sink(),
+                                         .stop = interrupt_token()});
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)

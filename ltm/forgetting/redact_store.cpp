@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/forgetting/redact_store.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "ltm/forgetting/forget_plan.h"
@@ -10,15 +11,13 @@
 #include "ltm/recall/recall.h"
 #include "ltm/recall/store_past.h"
 #include "ltm/store/night_lock.h"
+#include "ltm/store/segment_format.h"
 #include "ltm/store/store_writer.h"
 #include "ltm/store/superseded.h"
 
 namespace engram::ltm {
 
 namespace {
-
-/// Redacted snapshots that are appended together. Unit: plain bytes.
-constexpr uint64_t kMaxAppendedBytes = uint64_t{32} << 20;
 
 /// How redacted images are recorded: without loss, but for those that lost something as JPEG
 /// already.
@@ -33,13 +32,22 @@ void add_all(ForgetSet& to, const ForgetSet& more) {
   for (const auto& [entity, times] : more) to[entity].insert_all(times);
 }
 
+bool has_same_data(const Snapshot& a, const Snapshot& b) {
+  return std::ranges::equal(a.instances, b.instances, {}, &Instance::data, &Instance::data);
+}
+
 /// Looks at snapshots, and records anew those in which something was found.
+///
+/// A run that goes on where a killed one ended finds nothing in what that one redacted, and yet
+/// must hold the boxes of it: they stand in the file of what is pending.
 class SnapshotRedaction {
  public:
   /// `writer` is null if nothing is to be changed. All must outlive this.
   SnapshotRedaction(const StoreRedactionJob& job, Redactor& redactor, StoreWriter* writer,
-                    StoreRedaction& report, ForgetSet& pending)
-      : job_(job), redactor_(redactor), writer_(writer), report_(report), pending_(pending) {}
+                    StoreRedaction& report, PendingRedaction& pending)
+      : job_(job), redactor_(redactor), writer_(writer), report_(report), pending_(pending) {
+    for (const auto& [id, entity] : pending.entities) noted_[id] = entity.held;
+  }
 
   Status visit(StorePast& past, const ForgetSet& chosen) {
     for (const auto& [entity, times] : chosen) all_ += times.size();
@@ -47,15 +55,15 @@ class SnapshotRedaction {
       ENGRAM_ASSIGN_OR_RETURN(const auto own, past.of(entity));
       if (!own) continue;
       ENGRAM_ASSIGN_OR_RETURN(const Packer packer, packer_like(past.store(), entity));
-      for (const Time time : times) ENGRAM_RETURN_IF_ERROR(visit(*own, packer, entity, time));
+      std::span<const PendingEntity::Held> noted = noted_[entity];
+      for (const Time time : times) {
+        for (; !noted.empty() && noted.front().time < time; noted = noted.subspan(1))
+          redactor_.hold(entity, noted.front().time, {&noted.front().seen, 1});
+        ENGRAM_RETURN_IF_ERROR(visit(*own, packer, entity, time));
+      }
     }
     return append();
   }
-
-  /// Those that are to be forgotten, by RedactAction::kDrop.
-  [[nodiscard]] const ForgetSet& dropped() const { return dropped_; }
-  /// Plain bytes of those that were recorded anew.
-  [[nodiscard]] const std::map<MemoryId, uint64_t>& raw_bytes() const { return raw_bytes_; }
 
  private:
   Status visit(EntityPast& past, const Packer& packer, const MemoryId& entity, Time time) {
@@ -69,6 +77,7 @@ class SnapshotRedaction {
       snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
     EntityRedaction& counts = report_.entities[entity];
     ++counts.looked_at;
+    const Snapshot before = snapshot;
     const RedactionOutcome outcome = redactor_.redact(snapshot);
     counts.boxes += outcome.boxes;
     counts.unanswered += outcome.is_unanswered ? 1 : 0;
@@ -76,15 +85,16 @@ class SnapshotRedaction {
     if (outcome.is_unanswered || outcome.is_unreadable) return {};
     if (outcome.is_dropped()) {
       ++counts.dropped;
-      dropped_[entity].insert(time);
+      if (writer_ != nullptr) pending_.entities[entity].dropped.insert(time);
       return {};
     }
-    if (outcome.redacted == 0) return {};
+    // A box that a killed run redacted already holds again, and changes nothing.
+    if (outcome.redacted == 0 || has_same_data(snapshot, before)) return {};
     ++counts.redacted;
-    return writer_ == nullptr ? Status() : record(packer, snapshot);
+    return writer_ == nullptr ? Status() : record(packer, snapshot, outcome.seen);
   }
 
-  Status record(const Packer& packer, const Snapshot& snapshot) {
+  Status record(const Packer& packer, const Snapshot& snapshot, const std::vector<SeenBox>& seen) {
     PackedSnapshot packed{snapshot.entity, snapshot.time, {}, snapshot.raw_bytes(), 0, 0};
     for (const Instance& instance : snapshot.instances) {
       auto value = packer.pack(instance.data);
@@ -92,16 +102,31 @@ class SnapshotRedaction {
       packed.instances.push_back({*std::move(value), instance.metadata});
     }
     waiting_bytes_ += packed.raw_bytes;
-    raw_bytes_[snapshot.entity] += packed.raw_bytes;
-    pending_[snapshot.entity].insert(snapshot.time);
+    PendingEntity& entity = pending_.entities[snapshot.entity];
+    entity.redacted[snapshot.time] = {packed.raw_bytes, false};
+    for (const SeenBox& box : seen) entity.held.push_back({snapshot.time, box});
     waiting_.push_back(std::move(packed));
-    return waiting_bytes_ < kMaxAppendedBytes ? Status() : append();
+    return waiting_bytes_ < job_.max_appended_bytes ? Status() : append();
+  }
+
+  /// Leaves out boxes that nothing after what was recorded anew needs, so that the note stays
+  /// small.
+  void leave_out_over(PendingEntity& entity) const {
+    const int64_t last = to_ns(entity.redacted.rbegin()->first);
+    const int64_t hold = job_.options.hold.count();
+    std::erase_if(entity.held, [&](const PendingEntity::Held& held) {
+      const auto since = static_cast<uint64_t>(last) - static_cast<uint64_t>(to_ns(held.time));
+      return to_ns(held.time) < last && since > static_cast<uint64_t>(hold);
+    });
+    std::ranges::stable_sort(entity.held, {}, &PendingEntity::Held::time);
   }
 
   /// Notes what is to go before its new form is there: if the process is killed in between, the
   /// next one knows of it.
   Status append() {
     if (waiting_.empty()) return {};
+    for (auto& [id, entity] : pending_.entities)
+      if (!entity.redacted.empty()) leave_out_over(entity);
     ENGRAM_RETURN_IF_ERROR(write_pending_redaction(job_.store, pending_));
     ENGRAM_RETURN_IF_ERROR(writer_->append(waiting_, nullptr));
     waiting_.clear();
@@ -113,9 +138,8 @@ class SnapshotRedaction {
   Redactor& redactor_;
   StoreWriter* const writer_;
   StoreRedaction& report_;
-  ForgetSet& pending_;
-  ForgetSet dropped_;
-  std::map<MemoryId, uint64_t> raw_bytes_;
+  PendingRedaction& pending_;
+  std::map<MemoryId, std::vector<PendingEntity::Held>> noted_;  ///< By a killed run.
   std::vector<PackedSnapshot> waiting_;
   uint64_t waiting_bytes_ = 0;
   uint64_t done_ = 0, all_ = 0;
@@ -155,13 +179,41 @@ Result<ForgetSet> made_of(const std::filesystem::path& store, const ForgetSet& g
   return made;
 }
 
+/// What a killed run noted, as far as it is true: without what it was killed ahead of recording
+/// anew, and with what it counted already. What is not in the store at all stays in the note, since
+/// blocks of others may show it.
+Result<PendingRedaction> taken_up(const std::filesystem::path& store) {
+  ENGRAM_ASSIGN_OR_RETURN(auto noted, read_pending_redaction(store));
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+  const Manifest& manifest = reader->manifest();
+  if (!noted) return PendingRedaction{manifest.next_segment, {}};
+  for (auto& [id, entity] : noted->entities) {
+    const auto sums = manifest.forgotten.find(id);
+    if (entity.counting && sums != manifest.forgotten.end() &&
+        sums->second.snapshots >= entity.counting->snapshots)
+      for (auto& [time, of] : entity.redacted) of.is_counted = true;
+    entity.counting.reset();
+    if (!reader->has(id)) continue;
+    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, reader->timeline(id));
+    for (auto next = entity.redacted.begin(); next != entity.redacted.end();) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(next->first));
+      const bool is_there = entry && entry->time == next->first;
+      const bool is_new =
+          is_there && entry->recorded && entry->recorded->rows > 0 &&
+          segment_number(manifest.segments[entry->recorded->source].file) >= noted->first_segment;
+      next = is_there && !is_new ? entity.redacted.erase(next) : std::next(next);
+    }
+  }
+  return *std::move(noted);
+}
+
 /// Counts the originals as forgotten and no longer as kept. They have as many plain bytes as what
 /// was recorded in their place.
-void count_forgotten(Manifest& manifest, const MemoryId& entity, uint64_t snapshots,
-                     uint64_t raw_bytes) {
+void count_forgotten(Manifest& manifest, const MemoryId& entity, const PendingEntity::Sums& more) {
   ForgottenSums& sums = manifest.forgotten[entity];
-  sums.snapshots += snapshots;
-  sums.raw_bytes += raw_bytes;
+  sums.snapshots += more.snapshots;
+  sums.raw_bytes += more.raw_bytes;
+  uint64_t raw_bytes = more.raw_bytes;
   for (SegmentInfo& segment : manifest.segments)
     for (SegmentEntity& part : segment.entities) {
       if (segment.kind != SegmentKind::kRecorded || part.id != entity) continue;
@@ -171,11 +223,43 @@ void count_forgotten(Manifest& manifest, const MemoryId& entity, uint64_t snapsh
     }
 }
 
+/// Counts in the manifest what no run counted yet. Notes the sums first, by which the next run can
+/// tell if this one is killed before it has removed the note.
+///
+/// Models are told by these counts from those that knew the originals
+/// (training/fade/learned_from.h).
+Status count_originals(const std::filesystem::path& store, PendingRedaction& pending) {
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
+  std::map<MemoryId, PendingEntity::Sums> uncounted;
+  for (auto& [id, entity] : pending.entities) {
+    PendingEntity::Sums sums;
+    for (const auto& [time, of] : entity.redacted)
+      if (!of.is_counted) {
+        ++sums.snapshots;
+        sums.raw_bytes += of.raw_bytes;
+      }
+    if (sums.snapshots == 0) continue;
+    const auto known = before.forgotten.find(id);
+    const ForgottenSums counted = known == before.forgotten.end() ? ForgottenSums() : known->second;
+    entity.counting = {counted.snapshots + sums.snapshots, counted.raw_bytes + sums.raw_bytes};
+    uncounted[id] = sums;
+  }
+  if (uncounted.empty()) return {};
+  ENGRAM_RETURN_IF_ERROR(write_pending_redaction(store, pending));
+  return edit_manifest(store, [&](Manifest& manifest) -> Status {
+    for (const auto& [entity, sums] : uncounted) count_forgotten(manifest, entity, sums);
+    return {};
+  });
+}
+
 /// Takes the originals of what was recorded anew, and what is to be forgotten, out of every file.
-Status erase_originals(const StoreRedactionJob& job, const ForgetSet& redacted,
-                       const SnapshotRedaction& seen, StoreRedaction& report) {
+Status erase_originals(const StoreRedactionJob& job, PendingRedaction& pending,
+                       StoreRedaction& report) {
+  // Noted before the first of them goes, since boxes that hold from one to the next go with it.
+  ENGRAM_RETURN_IF_ERROR(write_pending_redaction(job.store, pending));
+  const ForgetSet redacted = pending.redacted();
   ForgetSet gone = redacted;
-  add_all(gone, seen.dropped());
+  add_all(gone, pending.dropped());
   ENGRAM_ASSIGN_OR_RETURN(const ForgetSet made, made_of(job.store, gone));
   for (const auto& [entity, times] : made) report.made_of += times.size();
   add_all(gone, made);
@@ -187,23 +271,14 @@ Status erase_originals(const StoreRedactionJob& job, const ForgetSet& redacted,
     ENGRAM_RETURN_IF_ERROR(remove_latents(job.store, entity, {}).status());
   ENGRAM_RETURN_IF_ERROR(
       remove_superseded_recorded(job.store, redacted, job.progress, job.stop).status());
-  ForgetSet forgotten = seen.dropped();
+  ForgetSet forgotten = pending.dropped();
   add_all(forgotten, made);
   if (!forgotten.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(const RewriteReport rewritten,
                             forget_snapshots(job.store, forgotten, job.progress, job.stop));
     if (rewritten.is_cancelled) return cancelled("redacting was stopped");
   }
-  // Models are told by this count from those that knew the originals
-  // (training/fade/learned_from.h).
-  ENGRAM_RETURN_IF_ERROR(edit_manifest(job.store, [&](Manifest& manifest) -> Status {
-    for (const auto& [entity, times] : redacted) {
-      const auto bytes = seen.raw_bytes().find(entity);
-      count_forgotten(manifest, entity, times.size(),
-                      bytes == seen.raw_bytes().end() ? 0 : bytes->second);
-    }
-    return {};
-  }));
+  ENGRAM_RETURN_IF_ERROR(count_originals(job.store, pending));
   for (const auto& [entity, times] : gone) erased.entities[entity].erased += times.size();
   // Copies of these days cannot tell by their times that what they hold was replaced.
   for (const auto& [entity, times] : redacted)
@@ -255,38 +330,35 @@ Result<StoreRedaction> redact_store(const StoreRedactionJob& job) {
   ENGRAM_ASSIGN_OR_RETURN(report.bytes_before, directory_bytes(job.store));
   std::optional<NightLock> lock;
   std::unique_ptr<StoreWriter> writer;
-  ForgetSet redacted;
+  PendingRedaction pending;
   if (!job.is_dry_run) {
     ENGRAM_ASSIGN_OR_RETURN(NightLock taken, NightLock::of_erasing(job.store));
     lock.emplace(std::move(taken));
     // What is in journals is sealed first. Nobody records meanwhile.
     ENGRAM_ASSIGN_OR_RETURN(writer, StoreWriter::open(job.store, {}));
     ENGRAM_RETURN_IF_ERROR(writer->seal());
-    ENGRAM_ASSIGN_OR_RETURN(redacted, read_pending_redaction(job.store));
-    for (const auto& [entity, times] : redacted) report.taken_up += times.size();
+    ENGRAM_ASSIGN_OR_RETURN(pending, taken_up(job.store));
+    report.taken_up = pending.snapshots();
   }
   ENGRAM_ASSIGN_OR_RETURN(const ForgetSet chosen, chosen_snapshots(job));
-  SnapshotRedaction seen(job, *redactor, writer.get(), report, redacted);
   {
+    SnapshotRedaction seen(job, *redactor, writer.get(), report, pending);
     ENGRAM_ASSIGN_OR_RETURN(const auto past, StorePast::open(job.store, job.loader, {}));
     ENGRAM_RETURN_IF_ERROR(seen.visit(*past, chosen));
   }
   if (writer) {
     ENGRAM_RETURN_IF_ERROR(writer->seal());
     writer.reset();
-    if (!redacted.empty() || !seen.dropped().empty())
-      ENGRAM_RETURN_IF_ERROR(erase_originals(job, redacted, seen, report));
-    ENGRAM_RETURN_IF_ERROR(write_pending_redaction(job.store, {}));
+    if (pending.snapshots() > 0) ENGRAM_RETURN_IF_ERROR(erase_originals(job, pending, report));
+    ENGRAM_RETURN_IF_ERROR(remove_pending_redaction(job.store));
   }
   ENGRAM_ASSIGN_OR_RETURN(report.bytes_after, directory_bytes(job.store));
   return report;
 }
 
 Result<uint64_t> pending_redactions(const std::filesystem::path& store) {
-  ENGRAM_ASSIGN_OR_RETURN(const ForgetSet pending, read_pending_redaction(store));
-  uint64_t count = 0;
-  for (const auto& [entity, times] : pending) count += times.size();
-  return count;
+  ENGRAM_ASSIGN_OR_RETURN(const auto pending, read_pending_redaction(store));
+  return pending ? pending->snapshots() : 0;
 }
 
 }  // namespace engram::ltm

@@ -24,6 +24,9 @@ struct StoreRedactionJob {
   std::vector<std::string> targets;
   RedactionOptions options;
   bool is_dry_run = false;  ///< Only look.
+  /// Redacted snapshots that are appended together, and noted on the disk before. Unit: plain
+  /// bytes.
+  uint64_t max_appended_bytes = uint64_t{32} << 20;
   /// Opens models of what is kept as latents alone.
   ModelLoader loader;
   /// Codes anew what was coded together with what goes, and replaces models that learned from it.
@@ -47,7 +50,8 @@ struct EntityRedaction {
 /// What a redaction of a store did.
 struct StoreRedaction {
   std::map<MemoryId, EntityRedaction> entities;  ///< Those that were looked at.
-  /// Redacted snapshots of an earlier run that was killed, of which this one took the originals.
+  /// Snapshots that an earlier run redacted or meant to forget before it was killed, of which this
+  /// one took the originals.
   uint64_t taken_up = 0;
   uint64_t made_of = 0;  ///< Augmented snapshots that were made of redacted ones, and went.
   std::optional<ErasureReport> erased;  ///< If anything was to go.
@@ -64,8 +68,8 @@ struct StoreRedaction {
 /// the values stay.
 ///
 /// A kill at any moment leaves every snapshot in its old or its new form. Which originals are still
-/// to go stands in a file of the store, and the same call takes them up.
-/// Errors: those of Redactor::create, find_forget_targets, reading and writing;
+/// to go, and which boxes still hold, stands in a file of the store, and the same call takes them
+/// up. Errors: those of Redactor::create, find_forget_targets, reading and writing;
 /// kFailedPrecondition if another process writes to the store, learns from it or erases from it;
 /// kCancelled on a stop: then the same call goes on.
 /// Threading: one job at a time for a store.

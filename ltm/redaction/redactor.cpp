@@ -201,6 +201,8 @@ struct Redactor::State {
       image.boxes = *std::move(seen);
     }
     outcome.boxes = boxes;
+    for (const LookedImage& image : images)
+      for (const RelativeBox& box : image.boxes) outcome.seen.push_back({image.place, box});
     if (memory == RedactionMemory::kHold) hold(rule, entity, time, images);
     share_boxes(images);
     const bool has_any =
@@ -268,6 +270,14 @@ RedactionOutcome Redactor::redact(const MemoryId& entity, Time time,
   const MutexLock lock(state_->mutex);
   state_->counters.add(counts);
   return outcome;
+}
+
+void Redactor::hold(const MemoryId& entity, Time time, std::span<const SeenBox> boxes) {
+  State::Rule* const rule = state_->rule_of(entity);
+  if (rule == nullptr || rule->options->hold <= Duration(0) || boxes.empty()) return;
+  const MutexLock lock(rule->mutex);
+  HeldBoxes& held = State::boxes_of(*rule, entity);
+  for (const SeenBox& seen : boxes) held.add(seen.place, time, rule->options->hold, seen.box);
 }
 
 Status Redactor::wait_ready(const std::stop_token& stop) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ltm/memory/snapshot.h"
+#include "ltm/redaction/box.h"
 #include "ltm/redaction/redaction_options.h"
 
 namespace engram::ltm {
@@ -26,6 +27,12 @@ struct RedactionCounters {
   void add(const RedactionCounters& more);
 };
 
+/// A box that was found in an image of a snapshot, with its margins.
+struct SeenBox {
+  ImagePlace place;
+  RelativeBox box;
+};
+
 /// The outcome for one snapshot.
 struct RedactionOutcome {
   /// If it is not empty, the snapshot must not be kept or shown, for this reason.
@@ -36,6 +43,8 @@ struct RedactionOutcome {
   bool is_unreadable = false;
   uint64_t redacted = 0;  ///< Images that were changed.
   uint64_t boxes = 0;     ///< That were found now; those that were held come on top.
+  /// What was found now, as far as it is within the images.
+  std::vector<SeenBox> seen;
   /// The buffers that held images before they were changed. What shares an owner with them still
   /// holds them.
   std::vector<Buffer> originals;
@@ -77,6 +86,10 @@ class Redactor {
   /// The same for the values of an entity at a time that are no snapshot, such as an answer's.
   RedactionOutcome redact(const MemoryId& entity, Time time, std::span<idf::Data* const> values,
                           RedactionMemory memory);
+
+  /// Holds boxes as if they had been found in a snapshot of this time, and counts nothing. For who
+  /// goes on where another process ended.
+  void hold(const MemoryId& entity, Time time, std::span<const SeenBox> boxes);
 
   /// Waits until all detectors can answer, for those who have time: see Detector::wait_ready.
   Status wait_ready(const std::stop_token& stop);

@@ -43,16 +43,29 @@ class RedactStoreTest : public ::testing::Test {
     return {camera(), time(index), {{idf::Dict{{"n", index}, {"image", image}}, metadata}}};
   }
 
+  /// Shows a secret without the marker that the detector finds it by.
+  static Snapshot unmarked(int index) {
+    Snapshot hidden = snapshot(index);
+    auto image = image_with_secret(64, 48, 10, 5);
+    std::vector<uint8_t> pixels(image.values<uint8_t>().begin(), image.values<uint8_t>().end());
+    pixels[(5 * 64 + 10) * 3 + 1] = 1;
+    *hidden.instances[0].data.at("image") = idf::NdArray::take({48, 64, 3}, pixels);
+    return hidden;
+  }
+
   /// Seals a store, with images by this codec.
-  void make(const std::string& codec = "png") {
+  void make(const std::string& codec = "png", int count = kCount,
+            Snapshot (*show)(int index) = snapshot) {
     const PackOptions pack{.rules = {{.kind = MediumKind::kImage, .codec = codec}}};
     ASSERT_OK(create_store(store_));
     StoreWriter::Options writing{.durability = Durability::kNone};
     writing.seal_rules = [&pack](const MemoryId&) { return *SealRules::create(pack); };
     const auto writer = *StoreWriter::open(store_, writing);
-    for (int i = 0; i < kCount; ++i) {
-      PackedSnapshot packed = pack_snapshot(snapshot(i));
-      packed.instances[0].value = *engram::ltm::pack(snapshot(i).instances[0].data, pack);
+    for (int i = 0; i < count; ++i) {
+      Snapshot shown = show(i);
+      shown.time = time(i);
+      PackedSnapshot packed = pack_snapshot(shown);
+      packed.instances[0].value = *engram::ltm::pack(shown.instances[0].data, pack);
       packed.dropped = 2;
       ASSERT_OK(writer->append({packed}, nullptr));
     }
@@ -192,10 +205,101 @@ TEST_F(RedactStoreTest, FinishesWhatAKilledRunBegan) {
   EXPECT_FALSE(is_in_any_file(secrets));
 }
 
+TEST_F(RedactStoreTest, CountsTheSameWhereverARunIsKilled) {
+  make();
+  const auto summary = [this] { return *(*StoreReader::open(store_))->summary(camera()); };
+  const EntitySummary before = summary();
+  const auto expect_counted = [&] {
+    EXPECT_EQ(summary().forgotten.snapshots, 4u);
+    EXPECT_EQ(summary().offered, before.offered + 4);
+    EXPECT_EQ(summary().raw_bytes, before.raw_bytes);
+    EXPECT_EQ(summary().offered_bytes, before.offered_bytes + before.raw_bytes / 3);
+  };
+  StoreRedactionJob killed = job();
+  killed.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    return cancelled("killed");
+  };
+  EXPECT_EQ(redact_store(killed).status().code(), StatusCode::kCancelled);
+  std::string noted;
+  StoreRedactionJob rest = job();
+  rest.code_anew = [&](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    noted = as_text(read_file(store_ / "erasures/redaction.pending")->bytes());
+    return Erasures();
+  };
+  const auto report = redact_store(rest);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->erased->entities.at(camera()).erased, 4u);
+  expect_counted();
+  // One that is killed just ahead of its end leaves the sums that it meant to count.
+  const std::string list = R"("counting":[4,)" + std::to_string(before.raw_bytes / 3) + "],";
+  noted.insert(noted.find(R"("redacted")"), list);
+  std::ofstream(store_ / "erasures/redaction.pending") << noted;
+  ASSERT_OK(redact_store(job()));
+  expect_counted();
+}
+
+TEST_F(RedactStoreTest, LeavesOutWhatWasNotedButNeverRecordedAnew) {
+  make();
+  StoreRedactionJob first = job();
+  first.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    return cancelled("killed");
+  };
+  EXPECT_FALSE(redact_store(first).ok());
+  // As if it had been killed between the note of one more snapshot and its new form.
+  const std::filesystem::path file = store_ / "erasures/redaction.pending";
+  std::string noted(as_text(read_file(file)->bytes()));
+  const std::string list = R"("redacted":[)";
+  noted.insert(noted.find(list) + list.size(), fmt::format("[{},9,false],", to_ns(time(0))));
+  std::ofstream(file) << noted;
+  EXPECT_EQ(*pending_redactions(store_), 5u);
+  const auto report = redact_store(job());
+  ASSERT_OK(report);
+  EXPECT_EQ(report->taken_up, 4u);
+  EXPECT_EQ(report->erased->entities.at(camera()).erased, 4u);
+  EXPECT_EQ((*(*StoreReader::open(store_))->summary(camera())).forgotten.snapshots, 4u);
+  expect_redacted();
+}
+
+TEST_F(RedactStoreTest, GoesOnWithTheBoxesThatHeldWhenItWasStopped) {
+  // What the detector finds is in the first one only.
+  make("png", 4, [](int index) { return index == 0 ? snapshot(1) : unmarked(index); });
+  StoreRedactionJob stopped = job();
+  stopped.options.hold = std::chrono::seconds(2);
+  stopped.max_appended_bytes = 1;
+  for (const int looked_at : {1, 2}) {
+    std::stop_source stop;
+    StoreRedactionJob one = stopped;
+    one.stop = stop.get_token();
+    one.progress = [&](const Progress& progress) {
+      if (progress.done == static_cast<uint64_t>(looked_at - 1)) stop.request_stop();
+    };
+    EXPECT_EQ(redact_store(one).status().code(), StatusCode::kCancelled);
+    EXPECT_EQ(*pending_redactions(store_), static_cast<uint64_t>(looked_at));
+  }
+  const auto report = redact_store(stopped);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->taken_up, 2u);
+  EXPECT_EQ(report->total().redacted, 1u) << "the third; the fourth is beyond the hold";
+  const std::vector<Snapshot> read = all();
+  ASSERT_EQ(read.size(), 4u);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(
+        has_secret(read[static_cast<size_t>(i)].instances[0].data.at("image")->get<idf::NdArray>()),
+        i == 3);
+}
+
 TEST_F(RedactStoreTest, RefusesADamagedNoteOfWhatIsPending) {
   make();
   std::filesystem::create_directories(store_ / "erasures");
-  for (const char* text : {"", "[]", R"({"Vision": [1]})", R"({"A/b/c/d": [1.5]})", "{"}) {
+  const std::string entity = R"({"first_segment": 1, "entities": {"A/b/c/d": )";
+  for (const std::string& text :
+       {std::string(), std::string("[]"), std::string("{"), std::string(R"({"first_segment": 1})"),
+        std::string(R"({"first_segment": -1, "entities": {}})"),
+        std::string(R"({"first_segment": 1, "entities": {"Vision": {}}})"), entity + "[]}}",
+        entity + R"({"redacted": [[1.5, 1, true]], "dropped": [], "held": []}}})",
+        entity + R"({"redacted": [], "dropped": ["x"], "held": []}}})",
+        entity + R"({"redacted": [], "dropped": [], "held": [[1, 0, "", 0, 0, 0, 2, 1]]}}})",
+        entity + R"({"redacted": [], "dropped": [], "held": [[1, 0, "?", 0, 0, 0, 1, 1]]}}})"}) {
     std::ofstream(store_ / "erasures/redaction.pending", std::ios::trunc) << text;
     EXPECT_EQ(redact_store(job()).status().code(), StatusCode::kDataLoss) << text;
   }
@@ -222,6 +326,15 @@ TEST_F(RedactStoreTest, LeavesWhatHasNoAnswerAsItIs) {
   EXPECT_EQ(report->total().unanswered, 4u);
   EXPECT_EQ(report->total().redacted, 0u);
   for (int i = 0; i < kCount; ++i) EXPECT_EQ(all()[static_cast<size_t>(i)], snapshot(i));
+}
+
+TEST_F(RedactStoreTest, WaitsForADetectorThatDiesAndLooksAtAllOthers) {
+  make("png", kCount, [](int index) { return index == 1 ? snapshot(1) : snapshot(0); });
+  StoreRedactionJob dying = job();
+  dying.options = marker_redaction(scratch_.path(), "dies");
+  const auto report = redact_store(dying);
+  ASSERT_OK(report);
+  EXPECT_EQ(report->total().unanswered, 1u);
 }
 
 TEST_F(RedactStoreTest, LooksOnlyAtWhatIsNamed) {
