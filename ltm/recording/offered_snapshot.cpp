@@ -12,7 +12,7 @@ void OfferedSnapshot::redact(Redactor& redactor) {
 }
 
 Result<OfferedSnapshot> OfferedSnapshot::of(const Snapshot& update, const SegmentTypes& types) {
-  OfferedSnapshot offered{&update, std::nullopt, {}, 0, {}};
+  OfferedSnapshot offered{.given = &update};
   for (size_t i = 0; i < update.instances.size(); ++i) {
     ENGRAM_ASSIGN_OR_RETURN(auto cast, types.cast_misfit(update.entity, update.instances[i].data));
     if (!cast) continue;
@@ -27,8 +27,10 @@ Result<OfferedSnapshot> OfferedSnapshot::of(const Snapshot& update, const Segmen
 Result<OfferedSnapshot> OfferedSnapshot::of(const CheckedSnapshot& update,
                                             const SegmentTypes& types) {
   if (update.is_of(types))
-    return OfferedSnapshot{&update, std::nullopt, {}, update.raw_bytes(), {}};
-  return of(static_cast<const Snapshot&>(update), types);
+    return OfferedSnapshot{.given = &update, .raw_bytes = update.raw_bytes(), .is_redacted = true};
+  ENGRAM_ASSIGN_OR_RETURN(OfferedSnapshot offered, of(static_cast<const Snapshot&>(update), types));
+  offered.is_redacted = !offered.cast;
+  return offered;
 }
 
 }  // namespace engram::ltm

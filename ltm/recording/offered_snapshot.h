@@ -16,6 +16,7 @@ struct OfferedSnapshot {
   std::optional<Snapshot> cast;     ///< Set if values were cast to their segment's type.
   std::vector<std::string> notes;   ///< What the casts lost.
   uint64_t raw_bytes = 0;
+  bool is_redacted = false;  ///< It was, in the very form that it has now.
   RedactionOutcome redaction;
 
   [[nodiscard]] const Snapshot& snapshot() const { return cast ? *cast : *given; }
@@ -28,7 +29,7 @@ struct OfferedSnapshot {
   static Result<OfferedSnapshot> of(const Snapshot& update, const SegmentTypes& types);
 
   /// The same for an update that was checked before. Its values are checked again only if the
-  /// segment's type has changed since.
+  /// segment's type has changed since. Whoever checked it redacted it, too.
   static Result<OfferedSnapshot> of(const CheckedSnapshot& update, const SegmentTypes& types);
 };
 

@@ -44,7 +44,7 @@ struct Recorder::State {
   Options options;
   Clock clock;
   std::unique_ptr<StoreWriter> writer;
-  std::unique_ptr<Redactor> redactor;  ///< Null if nothing is redacted.
+  std::shared_ptr<Redactor> redactor;  ///< Null if nothing is redacted.
   RecordingChannels channels;
   WorkerPool workers;
   uint64_t commits = 0;
@@ -54,7 +54,7 @@ struct Recorder::State {
   Time last_notes;
 
   State(const Options& chosen, Clock now, std::unique_ptr<StoreWriter> store,
-        std::unique_ptr<Redactor> redacting)
+        std::shared_ptr<Redactor> redacting)
       : options(chosen),
         clock(std::move(now)),
         writer(std::move(store)),
@@ -101,17 +101,16 @@ struct Recorder::State {
     return all;
   }
 
-  /// Those of working memory were redacted before they came there.
-  static void redact(std::span<const CheckedSnapshot* const>, std::vector<OfferedSnapshot>&) {}
-  void redact(std::span<const Snapshot* const>, std::vector<OfferedSnapshot>& offered) {
+  void redact(std::vector<OfferedSnapshot>& offered) {
     if (!redactor) return;
-    for (OfferedSnapshot& each : offered) each.redact(*redactor);
+    for (OfferedSnapshot& each : offered)
+      if (!each.is_redacted) each.redact(*redactor);
   }
 
   template <typename Update>
   Status commit(std::span<const Update* const> updates) {
     ENGRAM_ASSIGN_OR_RETURN(std::vector<OfferedSnapshot> offered, prepare(updates));
-    redact(updates, offered);
+    redact(offered);
     ++commits;
     std::vector<Kept> kept;
     kept.reserve(offered.size());
@@ -371,6 +370,12 @@ Result<Recorder> Recorder::open(const std::filesystem::path& store, const Option
                                 Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_ASSIGN_OR_RETURN(auto redactor, make_redactor(options.rules));
+  return open(store, options, std::move(clock), std::move(redactor));
+}
+
+Result<Recorder> Recorder::open(const std::filesystem::path& store, const Options& options,
+                                Clock clock, std::shared_ptr<Redactor> redactor) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
   if (is_store_absent(store)) ENGRAM_RETURN_IF_ERROR(create_store(store));
   StoreWriter::Options writing = options.store;
   if (!writing.seal_rules) writing.seal_rules = seal_rules_of(options);

@@ -98,6 +98,11 @@ class Recorder {
   static Result<Recorder> open(const std::filesystem::path& store, const Options& options,
                                Clock clock = system_now);
 
+  /// The same with a redactor that others use, too, instead of one that is made of the rules; null:
+  /// nothing is redacted.
+  static Result<Recorder> open(const std::filesystem::path& store, const Options& options,
+                               Clock clock, std::shared_ptr<Redactor> redactor);
+
   Recorder(Recorder&&) noexcept;
   ~Recorder();
 
@@ -119,7 +124,8 @@ class Recorder {
 
   /// The same for snapshots that were checked before, such as those of working memory: their times
   /// are not checked again, and their values only if their segment's type has changed since. They
-  /// are not redacted, because working memory must not have them unredacted either.
+  /// were redacted when they were checked, because working memory must not have them unredacted
+  /// either; those that are cast now are redacted again, since the cast may make images.
   Status commit_checked(std::span<const CheckedSnapshot* const> updates);
 
   /// The types of all segments, declared in this session or earlier ones.

@@ -22,6 +22,19 @@ void note_links(ArrivingSnapshot& arrival, const idf::Type* type) {
   arrival.links.erase(std::unique(arrival.links.begin(), arrival.links.end()), arrival.links.end());
 }
 
+/// Casts all values ahead of a change. Bytes that hold values before their cast are dropped.
+/// Returns how many instances lost something.
+Result<uint64_t> cast_all(Commit& commit, std::vector<std::vector<Buffer>>& encoded,
+                          const SegmentTypes& types) {
+  uint64_t reinterpreted = 0;
+  for (size_t i = 0; i < commit.updates.size(); ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(const SnapshotCast cast, cast_to_type(commit.updates[i], types));
+    if (cast.is_cast && !encoded.empty()) encoded[i].clear();
+    reinterpreted += cast.notes.size();
+  }
+  return reinterpreted;
+}
+
 }  // namespace
 
 Status WorkingMemory::Options::validate() const {
@@ -57,7 +70,7 @@ Status WorkingMemory::declare(const MemoryId& segment, const idf::Type& type) {
 }
 
 Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Buffer>> encoded,
-                                       bool to_store) {
+                                       bool to_store, const Change& change) {
   State& state = *state_;
   const auto refuse = [&state](Status status) {
     const ExclusiveLock lock(state.mutex);
@@ -73,22 +86,32 @@ Result<Admission> WorkingMemory::admit(Commit commit, std::vector<std::vector<Bu
     if (Status status = check_ahead(update.entity, update.time, now, ahead.of(update.entity));
         !status.ok())
       return refuse(std::move(status));
+  uint64_t reinterpreted = 0;
+  std::optional<SegmentTypes> types_at_change;
+  if (change) {
+    types_at_change = state.types_of(commit);
+    const auto cast = cast_all(commit, encoded, *types_at_change);
+    if (!cast.ok()) return refuse(cast.status());
+    reinterpreted = *cast;
+    change(commit, encoded);
+    if (commit.updates.empty()) return Admission{{}, taken(), {}};
+  }
   std::vector<ArrivingSnapshot> arrivals;
   arrivals.reserve(commit.updates.size());
-  uint64_t reinterpreted = 0;
   // Checking and casting are the long part: they hold the lock shared, so that queries go on.
   const auto prepare = [&]() -> Status {
     const SharedLock lock(state.mutex);
+    const SegmentTypes& types = types_at_change ? *types_at_change : state.types;
     for (size_t i = 0; i < commit.updates.size(); ++i) {
       Snapshot& update = commit.updates[i];
       for (Instance& instance : update.instances) instance.metadata.arrived = now;
       std::vector<Buffer> came = encoded.empty() ? std::vector<Buffer>() : std::move(encoded[i]);
       ENGRAM_ASSIGN_OR_RETURN(auto checked, CheckedSnapshot::check<HeldSnapshot>(
-                                                std::move(update), state.types, std::move(came)));
+                                                std::move(update), types, std::move(came)));
       reinterpreted += checked.cast.notes.size();
       const size_t bytes = checked.snapshot->ram_bytes();
       arrivals.push_back({std::move(checked.snapshot), bytes, {}, false});
-      note_links(arrivals.back(), state.types.of_entity(arrivals.back().snapshot->entity));
+      note_links(arrivals.back(), types.of_entity(arrivals.back().snapshot->entity));
     }
     return {};
   };

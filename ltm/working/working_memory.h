@@ -102,6 +102,11 @@ class WorkingMemory {
     [[nodiscard]] Status validate() const;
   };
 
+  /// Changes a commit whose values have been cast to their segments' types, before memory has it:
+  /// it may change values within their types, and take out updates with their bytes. `encoded` is
+  /// empty or as long as the updates, before and after.
+  using Change = std::function<void(Commit& commit, std::vector<std::vector<Buffer>>& encoded)>;
+
   /// Takes snapshots for the long term, in the order in which they came.
   using Sink = std::function<Status(std::span<const SharedSnapshot>)>;
 
@@ -123,8 +128,12 @@ class WorkingMemory {
   /// Commits all updates or none, see commit(). `encoded` holds the data of each instance of each
   /// update as it came, in IDF's binary form; these bytes are kept beside the values, unless a cast
   /// changes the values. With `to_store` the online phase gets the commit in every mode.
+  ///
+  /// `change` is called once for what would be admitted, without a lock, so that it may take long.
+  /// A type that is declared meanwhile holds for later commits. If it takes out everything, nothing
+  /// is admitted.
   Result<Admission> admit(Commit commit, std::vector<std::vector<Buffer>> encoded = {},
-                          bool to_store = false);
+                          bool to_store = false, const Change& change = {});
 
   /// The number of snapshots that the online phase took or that were forgotten before, of all that
   /// ever waited, up to the first one that waits now.

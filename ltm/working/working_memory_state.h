@@ -64,6 +64,14 @@ struct WorkingMemory::State {
     return found == by_id.end() ? nullptr : found->second;
   }
 
+  /// The types that a commit is cast to.
+  [[nodiscard]] SegmentTypes types_of(const Commit& commit) ENGRAM_EXCLUDES(mutex) {
+    std::vector<MemoryId> updated;
+    for (const Snapshot& update : commit.updates) updated.push_back(update.entity);
+    const SharedLock lock(mutex);
+    return types.of_entities(updated);
+  }
+
   KeptEntity& entity_of(const MemoryId& id) ENGRAM_REQUIRES(mutex) {
     if (KeptEntity* known = find(id)) return *known;
     auto made = std::make_unique<KeptEntity>(id);

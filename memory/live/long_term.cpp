@@ -55,14 +55,14 @@ struct LongTerm::State {
 LongTerm::LongTerm(std::unique_ptr<State> state) : state_(std::move(state)) {}
 LongTerm::~LongTerm() = default;
 
-Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock clock) {
-  // What comes was redacted before working memory took it; the recorder needs no detectors.
-  ltm::Recorder::Options recording = options.recording;
-  for (ltm::EntityRule& rule : recording.rules) rule.redact.reset();
+Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock clock,
+                                                 std::shared_ptr<ltm::Redactor> redactor) {
   const auto released = std::make_shared<std::vector<MemoryId>>();
+  ltm::Recorder::Options recording = options.recording;
   recording.on_released = [released](const MemoryId& snapshot) { released->push_back(snapshot); };
-  ENGRAM_ASSIGN_OR_RETURN(auto recorder,
-                          ltm::Recorder::open(options.store, recording, std::move(clock)));
+  ENGRAM_ASSIGN_OR_RETURN(
+      auto recorder,
+      ltm::Recorder::open(options.store, recording, std::move(clock), std::move(redactor)));
   return std::unique_ptr<LongTerm>(
       new LongTerm(std::make_unique<State>(options.store, std::move(recorder), released)));
 }

@@ -13,8 +13,8 @@
 
 namespace engram::memory {
 
-/// Records what leaves a working memory: through the online phase to the store. It redacts nothing:
-/// see MemoryService::commit.
+/// Records what leaves a working memory: through the online phase to the store. What comes was
+/// redacted (MemoryService::commit), and is again only if it is cast to a newer type.
 ///
 /// Threading: thread-safe; one caller at a time writes, the others wait.
 /// Source: docs/server.md, section "Queries".
@@ -44,7 +44,9 @@ class LongTerm {
 
   /// Creates the store if there is none.
   /// Errors: those of ltm::Recorder::open and ltm::StoreReader::open.
-  static Result<std::unique_ptr<LongTerm>> open(const Options& options, Clock clock = system_now);
+  /// `redactor` is the one of working memory; null: nothing is redacted.
+  static Result<std::unique_ptr<LongTerm>> open(const Options& options, Clock clock = system_now,
+                                                std::shared_ptr<ltm::Redactor> redactor = nullptr);
   ~LongTerm();
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type);

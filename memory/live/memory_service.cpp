@@ -56,7 +56,7 @@ struct MemoryService::State {
   const Options options;
   const Clock clock;
   std::unique_ptr<ltm::WorkingMemory> memory;
-  std::unique_ptr<ltm::Redactor> redactor;  ///< Null if nothing is redacted.
+  std::shared_ptr<ltm::Redactor> redactor;  ///< Null if nothing is redacted.
   std::unique_ptr<LongTerm> store;          ///< Null without a store.
   Mutex recalling;                          ///< Held while `recall` answers: one query at a time.
   std::optional<ltm::Recall> recall ENGRAM_GUARDED_BY(recalling);
@@ -225,7 +225,7 @@ struct MemoryService::State {
     ltm::RecordedEntities* recorded = &nothing_recorded;
     if (options.store) {
       ENGRAM_ASSIGN_OR_RETURN(redactor, ltm::make_redactor(options.store->recording.rules));
-      ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock));
+      ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock, redactor));
       const std::filesystem::path& path = options.store->store;
       ENGRAM_ASSIGN_OR_RETURN(stored, ltm::StorePast::open(path, std::move(loader),
                                                            {options.store->max_decoded_bytes}));
@@ -359,15 +359,13 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
   ENGRAM_RETURN_IF_ERROR(state_->check_room(commit));
   // Ahead of working memory, from which queries, subscribers, predictions and the store get it.
-  // A commit that is refused below is not looked at.
-  if (state_->redactor && commit.check().ok() && redact(*state_->redactor, commit, encoded) &&
-      commit.updates.empty()) {
-    ltm::Admission nothing;
-    nothing.queued = state_->memory->taken();
-    return nothing;
-  }
+  ltm::WorkingMemory::Change redaction;
+  if (state_->redactor)
+    redaction = [this](ltm::Commit& cast, std::vector<std::vector<Buffer>>& bytes) {
+      redact(*state_->redactor, cast, bytes);
+    };
   return state_->memory->admit(std::move(commit), std::move(encoded),
-                               durability == Durability::kJournal);
+                               durability == Durability::kJournal, redaction);
 }
 
 void MemoryService::when_stored(const ltm::Admission& admission,

@@ -31,16 +31,14 @@ bool is_in_any(const std::vector<Buffer>& buffers, const Owners& of) {
 
 }  // namespace
 
-bool redact(ltm::Redactor& redactor, ltm::Commit& commit,
+void redact(ltm::Redactor& redactor, ltm::Commit& commit,
             std::vector<std::vector<Buffer>>& encoded) {
   Owners owners;
   std::vector<ltm::EntityUpdate> updates;
   std::vector<std::vector<Buffer>> bytes;
-  bool is_changed = false;
   for (size_t i = 0; i < commit.updates.size(); ++i) {
     ltm::EntityUpdate& update = commit.updates[i];
     const ltm::RedactionOutcome outcome = redactor.redact(update);
-    is_changed = is_changed || outcome.is_dropped() || outcome.redacted > 0;
     for (const Buffer& original : outcome.originals) owners.insert(original.owner().get());
     if (outcome.is_dropped()) {
       // Other updates may lie in the same block of bytes.
@@ -55,12 +53,11 @@ bool redact(ltm::Redactor& redactor, ltm::Commit& commit,
   commit.updates = std::move(updates);
   encoded = std::move(bytes);
   owners.erase(nullptr);
-  if (owners.empty()) return is_changed;
+  if (owners.empty()) return;
   for (size_t i = 0; i < commit.updates.size(); ++i) {
     for (ltm::Instance& instance : commit.updates[i].instances) copy_arrays(instance.data, owners);
     if (!encoded.empty() && is_in_any(encoded[i], owners)) encoded[i].clear();
   }
-  return is_changed;
 }
 
 }  // namespace engram::memory

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: a commit before working memory takes it.
+// Private to this room: what working memory does to a commit ahead of taking it.
 
 #include <vector>
 
@@ -14,9 +14,8 @@ namespace engram::memory {
 /// the bytes of each instance of each update, as WorkingMemory::admit takes it.
 ///
 /// Nothing that stays keeps the images alive as they came: bytes of a redacted update go, and other
-/// arrays that lie in the same message or block are copied out of it. Returns false if nothing
-/// changed.
-bool redact(ltm::Redactor& redactor, ltm::Commit& commit,
+/// arrays that lie in the same message or block are copied out of it.
+void redact(ltm::Redactor& redactor, ltm::Commit& commit,
             std::vector<std::vector<Buffer>>& encoded);
 
 }  // namespace engram::memory

@@ -17,7 +17,8 @@ namespace engram::ltm::testing {
 /// The side of the secret that a marker is in the upper left corner of. Unit: pixels.
 inline constexpr int kSecretSide = 16;
 
-/// Writes a detector that finds secrets by their marker, a magenta pixel, and returns its command.
+/// Writes a detector that finds secrets by their marker, a magenta pixel or its bytes in grey, and
+/// returns its command.
 /// Another `mode` misbehaves at images with a marker: "silent", "dies", "garbage", "endless",
 /// "outside", "chatty"; or at the start: "mute", "ends", "rude".
 inline std::vector<std::string> marker_program(const std::filesystem::path& folder,
@@ -40,9 +41,9 @@ while True:
     header = json.loads(line)
     pixels = source.read(header['bytes'])
     boxes = []
-    at = pixels.find(b'\xff\x00\xff') if header['channels'] == 3 else -1
-    if at >= 0 and at % 3 == 0:
-        x, y = at // 3 % header['width'], at // 3 // header['width']
+    at, channels = pixels.find(b'\xff\x00\xff'), header['channels']
+    if at >= 0 and at % channels == 0:
+        x, y = at // channels % header['width'], at // channels // header['width']
         boxes = [[x, y, 16, 16]]
         if mode == 'silent':
             time.sleep(1000)
@@ -99,6 +100,18 @@ inline idf::NdArray image_with_secret(int width, int height, int x, int y) {
               pixels.begin() + (static_cast<ptrdiff_t>(y + row) * width + x) * 3);
   }
   return idf::NdArray::take({height, width, 3}, std::move(pixels));
+}
+
+/// The same as one grey image, and as a list of `count` of which the last one shows it.
+template <typename T = uint8_t>
+idf::NdArray grey_images_with_secret(int count, int width, int height, int x, int y) {
+  std::vector<T> pixels(static_cast<size_t>(count) * width * height, T{90});
+  for (int row = 0; x >= 0 && row < kSecretSide; ++row) {
+    const std::vector<uint8_t> secret = secret_row(row);
+    std::copy(secret.begin(), secret.begin() + kSecretSide,
+              pixels.begin() + (static_cast<ptrdiff_t>(count - 1) * height + y + row) * width + x);
+  }
+  return idf::NdArray::take({count, height, width}, std::move(pixels));
 }
 
 /// Whether bytes hold a row of the secret. The first row is the marker's.

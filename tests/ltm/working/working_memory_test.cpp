@@ -93,6 +93,43 @@ TEST(WorkingMemory, CastsToTheTypeOfTheSegment) {
   EXPECT_EQ(memory->counters().reinterpreted, 1u);
 }
 
+TEST(WorkingMemory, HasNothingBeforeAChangeOfWhatWasCast) {
+  PlainMemory memory({});
+  const auto type = idf::Type::object("Cup", {{"fill", idf::Type::float64()}});
+  const idf::Data given = idf::Dict{{"fill", int64_t{1}}};
+  const auto change = [&](Commit& commit, std::vector<std::vector<Buffer>>& encoded) {
+    // No lock is held: both would wait for it.
+    EXPECT_EQ(memory->counters().snapshots, 0u);
+    EXPECT_TRUE(memory->declare(*MemoryId::parse("A/b"), type).ok());
+    ASSERT_EQ(commit.updates.size(), 3u);
+    EXPECT_EQ(commit.updates[0].instances[0].data, given) << "the type came after the commit";
+    EXPECT_EQ(commit.updates[2].instances[0].data, idf::Data(idf::Dict{{"fill", 1.0}}));
+    EXPECT_EQ(encoded[1].size(), 1u);
+    EXPECT_TRUE(encoded[2].empty()) << "they hold the value before its cast";
+    commit.updates.erase(commit.updates.begin() + 1);
+    encoded.erase(encoded.begin() + 1);
+    commit.updates[1].instances[0].data = idf::Dict{{"fill", 2.0}};
+  };
+  ASSERT_TRUE(memory->declare(*MemoryId::parse("X/b"), type).ok());
+  const Buffer bytes = Buffer::take(std::vector<std::byte>(4));
+  const auto admission = memory->admit(
+      {{PlainMemory::snapshot("A/b/c/d", 10, given), PlainMemory::snapshot("A/b/c/e", 10, "goes"),
+        PlainMemory::snapshot("X/b/c/d", 10, given)}},
+      {{bytes}, {bytes}, {bytes}}, false, change);
+  ASSERT_TRUE(admission.ok()) << admission.status().to_string();
+  ASSERT_EQ(admission->snapshots.size(), 2u);
+  EXPECT_EQ(admission->snapshots[0]->encoded.size(), 1u);
+  EXPECT_EQ(memory->find(*MemoryId::parse("X/b/c/d"))->instances[0].data,
+            idf::Data(idf::Dict{{"fill", 2.0}}));
+  EXPECT_EQ(memory->find(*MemoryId::parse("A/b/c/e")), nullptr);
+  const auto nothing = memory->admit(
+      {{PlainMemory::snapshot("X/b/c/d", 20, given)}}, {}, false,
+      [](Commit& commit, std::vector<std::vector<Buffer>>&) { commit.updates.clear(); });
+  ASSERT_TRUE(nothing.ok());
+  EXPECT_TRUE(nothing->snapshots.empty());
+  EXPECT_EQ(memory->counters().committed, 2u);
+}
+
 TEST(WorkingMemory, TakesACommitWholeOrNotAtAll) {
   PlainMemory memory({});
   const auto type = idf::Type::object("Cup", {{"fill", idf::Type::float64()}});

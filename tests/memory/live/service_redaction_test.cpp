@@ -114,6 +114,40 @@ TEST_F(ServiceRedactionTest, KeepsNoBytesOfAMessageWithWhatWasFound) {
   EXPECT_LT(owner.use_count(), before) << "only this test has it";
 }
 
+TEST_F(ServiceRedactionTest, LooksAtWhatTheCastMakesOfValues) {
+  open();
+  using idf::Type;
+  const auto type =
+      Type::object("Seen", {{"images", Type::ndarray(idf::ElementType::kUInt8, {6, 48, 64})}});
+  ASSERT_OK(service_->declare(*ltm::MemoryId::parse("Vision/RGB"), type));
+  std::vector<uint8_t> jpeg(500);
+  jpeg[0] = 0xFF, jpeg[1] = 0xD8, jpeg[2] = 0xFF;
+  const Buffer came = Buffer::copy(std::as_bytes(std::span(jpeg)));
+  const auto admission = service_->commit(
+      ServedMemory::commit(
+          kCamera, 1,
+          idf::Dict{{"images", ltm::testing::grey_images_with_secret<double>(6, 64, 48, 20, 5)},
+                    {"a file that the type has no place for", idf::NdArray::take({500}, jpeg)}}),
+      {{came}});
+  ASSERT_OK(admission);
+  ASSERT_EQ(admission->snapshots.size(), 1u);
+  EXPECT_TRUE(admission->snapshots[0]->encoded.empty());
+  const idf::Data& data = admission->snapshots[0]->instances[0].data;
+  EXPECT_EQ(data.get<idf::Dict>().size(), 1u);
+  EXPECT_EQ(data.at("images")->get<idf::NdArray>().type(), idf::ElementType::kUInt8);
+  EXPECT_FALSE(has_secret(data.at("images")->get<idf::NdArray>()));
+  EXPECT_EQ(service_->counters().redaction.boxes, 1u);
+  EXPECT_EQ(service_->counters().memory.reinterpreted, 1u);
+}
+
+TEST_F(ServiceRedactionTest, LooksAtNothingThatIsRefused) {
+  open();
+  ltm::Commit ahead = ServedMemory::commit(kCamera, 1, value(20));
+  ahead.updates[0].time = system_now() + std::chrono::hours(1000);
+  EXPECT_EQ(service_->commit(ahead).status().code(), StatusCode::kInvalidArgument);
+  EXPECT_EQ(service_->counters().redaction.images, 0u);
+}
+
 TEST_F(ServiceRedactionTest, KeepsTheBytesOfWhatShowsNothing) {
   open();
   const idf::NdArray plain = image_with_secret(64, 48, -1, 0);
