@@ -14,9 +14,10 @@ namespace engram::ltm {
 /// Shape: it gets float32 [1, 3, size, size], RGB in 0..1; the image lies in the upper left corner
 /// and keeps its proportions, the rest is 0.5. It gives one output of either layout:
 ///   [1, 4 + classes, N]  centre x, centre y, width, height in pixels of the input, then a score
-///                        for each class (YOLO from version 8 on);
+///                        for each class (YOLO from version 8 on); N is above 4 + classes
 ///   [1, 1, N, 7]         image, class, score, left, top, right, bottom, in 0..1 of the input
-///   (SSD).
+///                        (SSD); an image below 0 ends the list
+/// Scores are 0 to 1. An output with a score that is not, or is no number, is no answer.
 /// Threading: thread-safe; one image after the other.
 class OnnxDetector final : public Detector {
  public:
@@ -32,7 +33,8 @@ class OnnxDetector final : public Detector {
   };
 
   /// Errors: kInvalidArgument; kNotFound if there is no such file; kFailedPrecondition if it cannot
-  /// be loaded, or its output has another layout.
+  /// be loaded, or gives something else for a black image: another layout, more than one output,
+  /// other scores, boxes in parts of the input instead of pixels.
   static Result<std::unique_ptr<Detector>> create(const Options& options);
   ~OnnxDetector() override;
 

@@ -197,6 +197,45 @@ TEST(OnnxDetector, FindsByTheOutputsOfYoloAndSsd) {
   }
 }
 
+TEST(OnnxDetector, IsAnErrorWhereItGivesAnythingElseThanItsLayouts) {
+  const ScratchDirectory scratch;
+  const std::pair<testing::OnnxFault, std::string> faults[] = {
+      {testing::OnnxFault::kTransposed, "an output of shape [1, 16, 5]"},
+      {testing::OnnxFault::kParts, "boxes in parts of its input"},
+      {testing::OnnxFault::kTwoOutputs, "has 2 outputs"}};
+  for (const auto& [fault, says] : faults) {
+    const auto detector =
+        OnnxDetector::create({bright_cells_onnx(scratch.path(), false, 64, 4, fault), 0.5, {}, 64});
+    EXPECT_EQ(detector.status().code(), StatusCode::kFailedPrecondition) << says;
+    EXPECT_THAT(detector.status().message(), HasSubstr(says));
+  }
+  for (const bool is_ssd : {false, true}) {
+    const auto file = bright_cells_onnx(scratch.path(), is_ssd, 64, 4, testing::OnnxFault::kScores);
+    // A black image has scores of 1, which may be; any other has more.
+    const auto detector = OnnxDetector::create({file, 0.5, {}, 64});
+    const auto grey = idf::NdArray::take({64, 64, 3}, std::vector<uint8_t>(64 * 64 * 3, 128));
+    ASSERT_OK(detector);
+    EXPECT_EQ((*detector)->find(seen(grey)).status().code(), StatusCode::kUnavailable) << is_ssd;
+  }
+}
+
+TEST(OnnxDetector, GivesNoAnswerWhereAScoreIsNoNumber) {
+  const ScratchDirectory scratch;
+  const auto bright = idf::NdArray::take({64, 64, 3}, std::vector<uint8_t>(64 * 64 * 3, 250));
+  for (const bool is_ssd : {false, true}) {
+    const auto file =
+        bright_cells_onnx(scratch.path(), is_ssd, 64, 4, testing::OnnxFault::kNoNumber);
+    // Of a class that nobody asks for, too.
+    for (const std::vector<int>& classes : {std::vector<int>{}, {7}}) {
+      const auto detector = OnnxDetector::create({file, 0.5, classes, 64});
+      ASSERT_OK(detector);
+      const auto boxes = (*detector)->find(seen(bright));
+      EXPECT_EQ(boxes.status().code(), StatusCode::kUnavailable) << is_ssd;
+      EXPECT_THAT(boxes.status().message(), HasSubstr("nan"));
+    }
+  }
+}
+
 TEST(OnnxDetector, IsAnErrorWhereTheFileIsNoSuchNetwork) {
   const ScratchDirectory scratch;
   OnnxDetector::Options options{scratch.path() / "none.onnx"};

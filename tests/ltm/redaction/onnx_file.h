@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -62,10 +64,21 @@ class OnnxWriter {
   }
 };
 
+/// What may be wrong with a network.
+enum class OnnxFault : uint8_t {
+  kNone,
+  kTransposed,  ///< [1, N, 5]
+  kParts,       ///< Boxes in 0..1.
+  kScores,      ///< Scores of 1 more than brightness.
+  kNoNumber,    ///< Scores are no numbers where a cell is not black.
+  kTwoOutputs,
+};
+
 /// Writes a network that finds bright cells: an input of `size` pixels is cut into `cells` x
 /// `cells` cells, and each is a box whose score is its brightness.
 inline std::filesystem::path bright_cells_onnx(const std::filesystem::path& folder, bool is_ssd,
-                                               int size = 64, int cells = 4) {
+                                               int size = 64, int cells = 4,
+                                               OnnxFault fault = OnnxFault::kNone) {
   using W = OnnxWriter;
   const int64_t side = size / cells;
   const int64_t count = int64_t{cells} * cells;
@@ -82,6 +95,7 @@ inline std::filesystem::path bright_cells_onnx(const std::filesystem::path& fold
     const auto at = [&](int64_t row) -> float& {
       return places[static_cast<size_t>(row * count + i)];
     };
+    if (fault == OnnxFault::kScores) at(score_row) = 1;
     if (is_ssd) {
       const auto whole = static_cast<float>(size);
       at(1) = 1;
@@ -94,26 +108,43 @@ inline std::filesystem::path bright_cells_onnx(const std::filesystem::path& fold
       at(1) = top + length / 2;
       at(2) = length;
       at(3) = length;
+      if (fault == OnnxFault::kParts)
+        for (int64_t row = 0; row < 4; ++row) at(row) /= static_cast<float>(size);
     }
+  }
+  std::vector<float> factors(static_cast<size_t>(rows * count), 1.0f);
+  if (fault == OnnxFault::kNoNumber) {
+    // What is beyond all floats, times zero.
+    std::fill_n(weights.begin() + score_row * 3, 3, std::numeric_limits<float>::max());
+    std::fill_n(factors.begin() + score_row * count, count, 0.0f);
   }
   std::string graph =
       W::node("AveragePool", {"image"}, "cells",
               W::ints_attribute("kernel_shape", {side, side}) +
                   W::ints_attribute("strides", {side, side})) +
       W::node("Conv", {"cells", "weights"}, "scores", W::ints_attribute("kernel_shape", {1, 1})) +
-      W::node("Reshape", {"scores", "flat"}, "rows") +
-      W::node("Add", {"rows", "places"}, is_ssd ? "columns" : "boxes");
+      W::node("Reshape", {"scores", "flat"}, "rows") + W::node("Add", {"rows", "places"}, "placed");
+  const bool is_turned = is_ssd || fault == OnnxFault::kTransposed;
+  graph += W::node("Mul", {"placed", "factors"}, is_turned ? "columns" : "boxes");
+  if (fault == OnnxFault::kTransposed)
+    graph += W::node("Transpose", {"columns"}, "boxes", W::ints_attribute("perm", {0, 2, 1}));
+  if (fault == OnnxFault::kTwoOutputs) graph += W::node("Relu", {"scores"}, "more");
   if (is_ssd)
     graph += W::node("Transpose", {"columns"}, "turned", W::ints_attribute("perm", {0, 2, 1})) +
              W::node("Reshape", {"turned", "four"}, "boxes");
   graph += W::bytes(2, "bright_cells");
   graph += W::floats("weights", {rows, 3, 1, 1}, weights);
   graph += W::floats("places", {1, rows, count}, places);
+  graph += W::floats("factors", {1, rows, count}, factors);
   graph += W::integers("flat", {1, rows, count});
   if (is_ssd) graph += W::integers("four", {1, 1, count, 7});
   graph += W::value(11, "image", {1, 3, size, size});
-  graph +=
-      is_ssd ? W::value(12, "boxes", {1, 1, count, 7}) : W::value(12, "boxes", {1, rows, count});
+  graph += is_ssd
+               ? W::value(12, "boxes", {1, 1, count, 7})
+               : W::value(12, "boxes",
+                          fault == OnnxFault::kTransposed ? std::vector<int64_t>{1, count, rows}
+                                                          : std::vector<int64_t>{1, rows, count});
+  if (fault == OnnxFault::kTwoOutputs) graph += W::value(12, "more", {1, rows, cells, cells});
   const std::filesystem::path file = folder / (is_ssd ? "ssd.onnx" : "yolo.onnx");
   std::ofstream(file, std::ios::binary) << W::model(graph);
   return file;
