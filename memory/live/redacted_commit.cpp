@@ -3,6 +3,8 @@
 
 #include <set>
 
+#include "ltm/idf/value_walk.h"
+
 namespace engram::memory {
 
 namespace {
@@ -11,17 +13,19 @@ namespace {
 using Owners = std::set<const void*>;
 
 void copy_arrays(idf::Data& value, const Owners& of) {
-  if (auto* array = value.get_if<idf::NdArray>()) {
-    if (!of.contains(array->buffer().owner().get())) return;
+  idf::walk_values(value, [&of](const std::string&, idf::Data& each) {
+    auto* array = each.get_if<idf::NdArray>();
+    if (array == nullptr || !of.contains(array->buffer().owner().get())) return;
     auto copy = idf::NdArray::create(array->type(), array->shape(), Buffer::copy(array->bytes()));
     ENGRAM_CHECK(copy.ok(), "{}", copy.status().message());
     *array = *std::move(copy);
-  } else if (auto* list = value.get_if<idf::List>()) {
-    for (idf::Data& each : *list) copy_arrays(each, of);
-  } else if (auto* dict = value.get_if<idf::Dict>()) {
-    // A dict gives values to be changed by their keys alone, which takes linear time for each.
-    for (const idf::DictEntry& entry : *dict) copy_arrays(const_cast<idf::Data&>(entry.value), of);
-  }
+  });
+}
+
+void add_owners(idf::Data& value, Owners& to) {
+  idf::walk_values(value, [&to](const std::string&, idf::Data& each) {
+    if (const auto* array = each.get_if<idf::NdArray>()) to.insert(array->buffer().owner().get());
+  });
 }
 
 bool is_in_any(const std::vector<Buffer>& buffers, const Owners& of) {
@@ -42,6 +46,7 @@ void redact(ltm::Redactor& redactor, ltm::Commit& commit,
     for (const Buffer& original : outcome.originals) owners.insert(original.owner().get());
     if (outcome.is_dropped()) {
       // Other updates may lie in the same block of bytes.
+      for (ltm::Instance& instance : update.instances) add_owners(instance.data, owners);
       if (!encoded.empty())
         for (const Buffer& came : encoded[i]) owners.insert(came.owner().get());
       continue;
