@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/redaction/image_members.h"
 
+#include <fmt/ranges.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "ltm/core/printable.h"
+#include "ltm/idf/element_visit.h"
+#include "ltm/idf/value_walk.h"
+#include "ltm/redaction/encoded_image.h"
 
 namespace engram::ltm {
 
@@ -13,18 +17,18 @@ namespace {
 
 using idf::ElementType;
 
-constexpr int64_t kMaxChannels = 4;
-/// Smaller arrays of two axes are matrices and tables. Unit: elements.
+constexpr int64_t kMaxPlanes = 4;
+/// More are a side. Less than kMinImageSide, so that it is one or the other.
+constexpr int64_t kMaxChannels = kMinImageSide - 1;
+/// Smaller arrays of two axes are matrices, tables and point clouds. Unit: elements.
 constexpr int64_t kMinMatrixSide = 32;
-/// Arrays of floats with so many columns are point clouds (ltm/codec/packed_value.h).
-constexpr int64_t kMaxCloudFields = 16;
 
 bool is_side(int64_t size) {
   return size >= kMinImageSide && size <= std::numeric_limits<int32_t>::max();
 }
 
-bool is_channels(int64_t size) {
-  return size >= 1 && size <= kMaxChannels;
+bool is_within(int64_t size, int64_t max) {
+  return size >= 1 && size <= max;
 }
 
 /// The layout of the last `rank` axes of a shape, which are one image.
@@ -38,7 +42,7 @@ std::optional<ImageLayout> layout_of_one(const idf::Shape& shape, size_t rank) {
     return layout;
   }
   if (rank != 3) return std::nullopt;
-  if (is_side(shape[at]) && is_side(shape[at + 1]) && is_channels(shape[at + 2])) {
+  if (is_side(shape[at]) && is_side(shape[at + 1]) && is_within(shape[at + 2], kMaxChannels)) {
     layout.height = shape[at];
     layout.width = shape[at + 1];
     layout.channels = shape[at + 2];
@@ -46,7 +50,7 @@ std::optional<ImageLayout> layout_of_one(const idf::Shape& shape, size_t rank) {
     layout.row_step = layout.width * layout.channels;
     return layout;
   }
-  if (is_channels(shape[at]) && is_side(shape[at + 1]) && is_side(shape[at + 2])) {
+  if (is_within(shape[at], kMaxPlanes) && is_side(shape[at + 1]) && is_side(shape[at + 2])) {
     layout.channels = shape[at];
     layout.height = shape[at + 1];
     layout.width = shape[at + 2];
@@ -57,56 +61,24 @@ std::optional<ImageLayout> layout_of_one(const idf::Shape& shape, size_t rank) {
   return std::nullopt;
 }
 
-/// Whether bytes begin as files of images or videos do.
-bool begins_encoded(std::span<const std::byte> bytes) {
-  const std::string_view text = as_text(bytes.first(std::min<size_t>(bytes.size(), 16)));
-  if (text.size() < 16) return false;
-  using namespace std::string_view_literals;
-  static constexpr std::array kBegins{"\xFF\xD8\xFF"sv,
-                                      "\x89PNG\r\n\x1A\n"sv,
-                                      "GIF87a"sv,
-                                      "GIF89a"sv,
-                                      "II*\0"sv,
-                                      "MM\0*"sv,
-                                      "\0\0\0\x0CjP  "sv,
-                                      "\xFF\x4F\xFF\x51"sv,
-                                      "\0\0\0\1\x67"sv,
-                                      "\0\0\0\1\x27"sv,
-                                      "\0\0\0\1\x40\1"sv,
-                                      "\0\0\1\xB3"sv,
-                                      "\x1A\x45\xDF\xA3"sv,
-                                      "\xFF\x0A"sv,
-                                      "P6\n"sv,
-                                      "P5\n"sv};
-  if (std::ranges::any_of(kBegins, [&](std::string_view each) { return text.starts_with(each); }))
-    return true;
-  // The same as text, by base64.
-  for (const std::string_view each : {"data:image/"sv, "data:video/"sv, "/9j/"sv, "iVBORw0KGgo"sv})
-    if (text.starts_with(each)) return true;
-  const std::string_view kind = text.substr(8, 4);
-  if (text.starts_with("RIFF") && (kind == "WEBP" || kind == "AVI ")) return true;
-  if (text.substr(4, 4) == "ftyp") return true;  // HEIF, AVIF, MP4
-  // A bitmap tells its size.
-  uint32_t size = 0;
-  std::memcpy(&size, text.data() + 2, sizeof(size));
-  return text.starts_with("BM") && size == bytes.size();
+/// Whether an array that has no layout of images may yet show something: that of a camera in rows
+/// of planes, or anything that nobody thought of.
+bool may_show_images(ElementType type, const idf::Shape& shape) {
+  const bool is_of_camera = idf::size_bytes(type) <= 2;
+  return is_of_camera && shape.size() > 2 &&
+         std::ranges::count_if(shape, [](int64_t size) { return size >= kMinMatrixSide; }) > 1;
 }
 
-class Finder {
+class ImageFinder {
  public:
-  void visit(idf::Data& value, const std::string& path) {
+  void visit(const std::string& path, idf::Data& value) {
     if (auto* array = value.get_if<idf::NdArray>()) {
       add(*array, path);
     } else if (const auto* text = value.get_if<std::string>()) {
-      note_encoded(std::as_bytes(std::span(text->data(), text->size())), path);
-    } else if (auto* list = value.get_if<idf::List>()) {
-      for (size_t i = 0; i < list->size(); ++i)
-        visit((*list)[i], idf::join_path(path, std::to_string(i)));
-    } else if (auto* dict = value.get_if<idf::Dict>()) {
-      // A dict gives values to be changed by their keys alone, and finding each key takes linear
-      // time; the dict itself may be changed here.
-      for (const idf::DictEntry& entry : *dict)
-        visit(const_cast<idf::Data&>(entry.value), idf::join_path(path, entry.key));
+      add_bytes(std::as_bytes(std::span(text->data(), text->size())), path);
+    } else if (const auto* dict = value.get_if<idf::Dict>()) {
+      if (const auto bytes = image_bytes_of(*dict))
+        note(idf::join_path(path, *bytes), "is an image or video as bytes");
     }
   }
 
@@ -116,57 +88,50 @@ class Finder {
   void add(idf::NdArray& array, const std::string& path) {
     if (const auto layout = image_layout_of(array.type(), array.shape()))
       found.members.push_back({path, &array, *layout});
+    else if (may_show_images(array.type(), array.shape()))
+      note(path, fmt::format("of shape [{}] may be images", fmt::join(array.shape(), ", ")));
     else if (idf::size_bytes(array.type()) == 1)
-      note_encoded(array.bytes(), path);
+      add_bytes(array.bytes(), path);
   }
 
-  void note_encoded(std::span<const std::byte> bytes, const std::string& path) {
-    if (!found.encoded && begins_encoded(bytes)) found.encoded = path;
+  void add_bytes(std::span<const std::byte> bytes, const std::string& path) {
+    if (begins_as_image_or_video(bytes)) note(path, "is a file of an image or video");
+  }
+
+  void note(const std::string& path, std::string_view is) {
+    if (found.unreadable.empty())
+      found.unreadable = fmt::format("'{}' {}, in which no detector looks", printable(path), is);
   }
 };
 
-/// Calls `use` with a null pointer of the type of the elements.
-template <typename Use>
-void with_element(ElementType type, const Use& use) {
-  switch (type) {
-    case ElementType::kInt8:
-      return use(static_cast<int8_t*>(nullptr));
-    case ElementType::kInt16:
-      return use(static_cast<int16_t*>(nullptr));
-    case ElementType::kInt32:
-      return use(static_cast<int32_t*>(nullptr));
-    case ElementType::kInt64:
-      return use(static_cast<int64_t*>(nullptr));
-    case ElementType::kUInt8:
-      return use(static_cast<uint8_t*>(nullptr));
-    case ElementType::kUInt16:
-      return use(static_cast<uint16_t*>(nullptr));
-    case ElementType::kUInt32:
-      return use(static_cast<uint32_t*>(nullptr));
-    case ElementType::kUInt64:
-      return use(static_cast<uint64_t*>(nullptr));
-    case ElementType::kFloat32:
-      return use(static_cast<float*>(nullptr));
-    case ElementType::kFloat64:
-      return use(static_cast<double*>(nullptr));
-  }
+/// The channels of an image that are shown in one look.
+struct ShownChannels {
+  int64_t first = 0;
+  int64_t count = 1;
+};
+
+ShownChannels shown_in(const ImageLayout& layout, int64_t look) {
+  if (layout.channels < 3) return {look, 1};
+  return look == 0 ? ShownChannels{0, 3} : ShownChannels{look + 2, 1};
 }
 
-/// The elements of an image in the order of GreyOrRgb, `shown` channels of them.
+/// The elements of an image in the order of GreyOrRgb.
 template <typename T, typename Visit>
-void for_each_element(const T* first, const ImageLayout& layout, int64_t shown,
+void for_each_element(const T* image, const ImageLayout& layout, const ShownChannels& shown,
                       const Visit& visit) {
+  const T* const first = image + shown.first * layout.channel_step;
   for (int64_t y = 0; y < layout.height; ++y)
     for (int64_t x = 0; x < layout.width; ++x)
-      for (int64_t c = 0; c < shown; ++c)
+      for (int64_t c = 0; c < shown.count; ++c)
         visit(first[y * layout.row_step + x * layout.column_step + c * layout.channel_step]);
 }
 
 template <typename T>
-void stretch(const T* first, const ImageLayout& layout, GreyOrRgb& out) {
+void stretch(const T* image, const ImageLayout& layout, const ShownChannels& shown,
+             GreyOrRgb& out) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
-  for_each_element(first, layout, out.channels, [&](T value) {
+  for_each_element(image, layout, shown, [&](T value) {
     const auto number = static_cast<double>(value);
     if (!std::isfinite(number)) return;
     low = std::min(low, number);
@@ -174,7 +139,7 @@ void stretch(const T* first, const ImageLayout& layout, GreyOrRgb& out) {
   });
   // Halves, because the difference of two doubles may be beyond them.
   const double range = high / 2 - low / 2;
-  for_each_element(first, layout, out.channels, [&](T value) {
+  for_each_element(image, layout, shown, [&](T value) {
     const auto number = static_cast<double>(value);
     const bool is_shown = std::isfinite(number) && range > 0;
     out.pixels.push_back(
@@ -247,7 +212,7 @@ void fill_part(T* channel, const ImageLayout& layout, const ImagePart& part) {
 template <typename Change>
 void change_copy(idf::NdArray& array, const ImageLayout& layout,
                  const std::vector<ImagePart>& parts, const Change& change) {
-  with_element(array.type(), [&]<typename T>(T*) {
+  idf::visit_element_type(array.type(), [&]<typename T>(T) {
     const auto given = array.values<T>();
     std::vector<T> values(given.begin(), given.end());
     for (const ImagePart& part : parts)
@@ -261,44 +226,51 @@ void change_copy(idf::NdArray& array, const ImageLayout& layout,
 
 std::optional<ImageLayout> image_layout_of(ElementType type, const idf::Shape& shape) {
   const bool is_float = type == ElementType::kFloat32 || type == ElementType::kFloat64;
-  if (shape.size() == 2 && is_float && shape[1] <= kMaxCloudFields) return std::nullopt;
-  if (shape.size() == 2 && (shape[0] < kMinMatrixSide || shape[1] < kMinMatrixSide))
-    return std::nullopt;
-  if (auto layout = layout_of_one(shape, std::min<size_t>(shape.size(), 3))) {
-    if (shape.size() <= 3) return layout;
-    if (shape.size() > 4) return std::nullopt;
-    layout->images = shape[0];
-    layout->image_step = layout->height * layout->width * layout->channels;
-    return layout;
+  const size_t rank = shape.size();
+  if (rank < 2) return std::nullopt;
+  auto layout = rank == 2 ? std::nullopt : layout_of_one(shape, 3);
+  size_t of_one = 3;
+  if (!layout) {
+    // Without an axis for channels.
+    const bool is_large = shape[rank - 2] >= kMinMatrixSide && shape[rank - 1] >= kMinMatrixSide;
+    if ((rank == 2 || is_float) && !is_large) return std::nullopt;
+    layout = layout_of_one(shape, 2);
+    of_one = 2;
   }
-  if (shape.size() != 3 || is_float) return std::nullopt;
-  // A list of images without an axis for channels, and not the features of a network.
-  auto layout = layout_of_one(shape, 2);
   if (!layout) return std::nullopt;
-  layout->images = shape[0];
-  layout->image_step = layout->height * layout->width;
+  for (size_t i = 0; i + of_one < rank; ++i) layout->images *= shape[i];
+  layout->image_step = layout->height * layout->width * layout->channels;
   return layout;
 }
 
+int64_t FoundImages::looks() const {
+  int64_t sum = 0;
+  for (const ImageMember& member : members) sum += member.layout.images * member.layout.looks();
+  return sum;
+}
+
 FoundImages find_images(idf::Data& value) {
-  Finder finder;
-  finder.visit(value, "");
+  ImageFinder finder;
+  idf::walk_values(
+      value, [&finder](const std::string& path, idf::Data& each) { finder.visit(path, each); });
   return std::move(finder.found);
 }
 
-GreyOrRgb pixels_of(const idf::NdArray& array, const ImageLayout& layout, int64_t index) {
+GreyOrRgb pixels_of(const idf::NdArray& array, const ImageLayout& layout, int64_t index,
+                    int64_t look) {
+  const ShownChannels shown = shown_in(layout, look);
   GreyOrRgb out;
-  out.channels = layout.channels >= 3 ? 3 : 1;
-  out.pixels.reserve(static_cast<size_t>(layout.width * layout.height * out.channels));
-  with_element(array.type(), [&]<typename T>(T*) {
-    const T* const first = array.values<T>().data() + index * layout.image_step;
-    const bool is_dense = layout.channels == out.channels && layout.column_step == out.channels;
+  out.channels = static_cast<int>(shown.count);
+  out.pixels.reserve(static_cast<size_t>(layout.width * layout.height * shown.count));
+  idf::visit_element_type(array.type(), [&]<typename T>(T) {
+    const T* const image = array.values<T>().data() + index * layout.image_step;
+    const bool is_dense = layout.channels == shown.count && layout.column_step == shown.count;
     if constexpr (!std::is_same_v<T, uint8_t>)
-      stretch(first, layout, out);
+      stretch(image, layout, shown, out);
     else if (is_dense)
-      out.pixels.assign(first, first + layout.height * layout.row_step);
+      out.pixels.assign(image, image + layout.height * layout.row_step);
     else
-      for_each_element(first, layout, out.channels,
+      for_each_element(image, layout, shown,
                        [&out](uint8_t value) { out.pixels.push_back(value); });
   });
   return out;

@@ -22,16 +22,21 @@ struct ImageLayout {
   int64_t row_step = 0;
   int64_t column_step = 1;
   int64_t channel_step = 1;
+
+  /// How many looks an image takes until all its channels were seen: three of them together as RGB,
+  /// each other one as grey.
+  [[nodiscard]] int64_t looks() const { return channels < 3 ? channels : channels - 2; }
 };
 
 /// Arrays with shorter sides show nothing that one could recognise, and are no images. Unit:
 /// pixels.
 inline constexpr int64_t kMinImageSide = 8;
 
-/// The layout of an array that may be an image: [H, W, C], [C, H, W] with 1 to 4 channels, [H, W]
-/// from 32 x 32 on, or a list of such images. It asks for less than idf::MemberKind::kImage:
-/// numbers of any kind, any place of the channels. An array that is none loses nothing if a
-/// detector looks at it. Nothing for float [N, 3 to 16], which are point clouds.
+/// The layout of an array that may be an image: [H, W, C] with 1 to 7 channels, [C, H, W] with 1 to
+/// 4, [H, W] from 32 x 32 on, or images of these forms behind any number of further axes. It asks
+/// for less than idf::MemberKind::kImage: numbers of any kind, any place of the channels. An array
+/// that is none loses nothing if a detector looks at it. Three planes are one RGB image, five or
+/// more are grey images; floats of two axes and lists of these count from 32 x 32 on.
 [[nodiscard]] std::optional<ImageLayout> image_layout_of(idf::ElementType type,
                                                          const idf::Shape& shape);
 
@@ -45,9 +50,12 @@ struct ImageMember {
 /// The images of a value, nested ones, too.
 struct FoundImages {
   std::vector<ImageMember> members;
-  /// The path of an array or text that begins like a JPEG or another file of images or video, in
-  /// which no detector looks; nothing: there is none.
-  std::optional<std::string> encoded;
+  /// Why no detector can look at all of it: a member that is like a JPEG or another file of images
+  /// or video, has pixels as bytes, or may have images in another layout. Empty: it can.
+  std::string unreadable;
+
+  /// How many looks they take.
+  [[nodiscard]] int64_t looks() const;
 };
 
 [[nodiscard]] FoundImages find_images(idf::Data& value);
@@ -58,11 +66,11 @@ struct GreyOrRgb {
   std::vector<uint8_t> pixels;
 };
 
-/// Image `index` of an array. Numbers that are not uint8 are stretched so that the smallest becomes
-/// 0 and the largest 255; others than finite ones become 0. The fourth channel is left out, and so
-/// is the second of two.
+/// Image `index` of an array, in the look `look` of ImageLayout::looks. Numbers that are not uint8
+/// are stretched so that the smallest becomes 0 and the largest 255; others than finite ones become
+/// 0.
 [[nodiscard]] GreyOrRgb pixels_of(const idf::NdArray& array, const ImageLayout& layout,
-                                  int64_t index);
+                                  int64_t index, int64_t look = 0);
 
 /// A part of an image that is within it, [left, right) x [top, bottom). Unit: pixels.
 struct ImagePart {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <tuple>
 
 #include "ltm/core/mutex.h"
 #include "ltm/redaction/held_boxes.h"
@@ -18,6 +20,8 @@ constexpr double kMaxGrow = 10;
 /// a memory of a million cameras.
 constexpr size_t kManyHeldEntities = 20'000;
 constexpr size_t kFewBoxes = 4;
+/// More than any camera gives at once. A detector is asked for each, while a commit waits.
+constexpr int64_t kMaxLooks = 256;
 
 /// An image of a snapshot, and what is to be redacted in it.
 struct LookedImage {
@@ -54,19 +58,23 @@ ImagePart part_of(const RelativeBox& box, const ImageLayout& layout, int64_t ima
   return part;
 }
 
-bool is_same_size(const LookedImage& a, const LookedImage& b) {
-  return a.place.instance == b.place.instance && a.member->layout.width == b.member->layout.width &&
-         a.member->layout.height == b.member->layout.height;
-}
-
 /// Puts what was found in one image of an instance into all its images of the same size.
 void share_boxes(std::vector<LookedImage>& images) {
-  std::vector<std::vector<RelativeBox>> all(images.size());
-  for (size_t i = 0; i < images.size(); ++i)
-    for (const LookedImage& other : images)
-      if (is_same_size(images[i], other))
-        all[i].insert(all[i].end(), other.boxes.begin(), other.boxes.end());
-  for (size_t i = 0; i < images.size(); ++i) images[i].boxes = std::move(all[i]);
+  using Size = std::tuple<size_t, int64_t, int64_t>;
+  const auto size_of = [](const LookedImage& image) {
+    return Size{image.place.instance, image.member->layout.width, image.member->layout.height};
+  };
+  std::map<Size, std::vector<RelativeBox>> found;
+  for (const LookedImage& image : images) {
+    std::vector<RelativeBox>& all = found[size_of(image)];
+    all.insert(all.end(), image.boxes.begin(), image.boxes.end());
+  }
+  for (LookedImage& image : images) image.boxes = found[size_of(image)];
+}
+
+/// Whether all pixels are the same, as those of a channel that nobody uses.
+bool is_plain(const GreyOrRgb& pixels) {
+  return std::ranges::adjacent_find(pixels.pixels, std::not_equal_to<>()) == pixels.pixels.end();
 }
 
 }  // namespace
@@ -108,21 +116,25 @@ struct Redactor::State {
     return found == rules.end() || !(*found)->detector ? nullptr : found->get();
   }
 
-  /// Looks at one image. Errors: those of the detector.
-  static Result<std::vector<RelativeBox>> look(Rule& rule, const MemoryId& entity, Time time,
-                                               const LookedImage& image, size_t& found) {
+  /// Looks at one image, as often as its channels need. Errors: those of the detector.
+  static Status look(Rule& rule, const MemoryId& entity, Time time, LookedImage& image,
+                     size_t& found) {
     const ImageLayout& layout = image.member->layout;
-    const GreyOrRgb pixels = pixels_of(*image.member->array, layout, image.place.image);
-    ENGRAM_ASSIGN_OR_RETURN(
-        const std::vector<Box> boxes,
-        rule.detector->find({static_cast<int>(layout.width), static_cast<int>(layout.height),
-                             pixels.channels, pixels.pixels, entity.to_string(), image.place.member,
-                             time}));
-    found += boxes.size();
-    std::vector<RelativeBox> relative;
-    for (const Box& box : boxes)
-      if (const auto one = grown(box, rule.options->grow, layout)) relative.push_back(*one);
-    return relative;
+    for (int64_t look = 0; look < layout.looks(); ++look) {
+      const GreyOrRgb pixels = pixels_of(*image.member->array, layout, image.place.image, look);
+      if (look > 0 && is_plain(pixels)) continue;
+      ENGRAM_ASSIGN_OR_RETURN(
+          const std::vector<Box> boxes,
+          rule.detector->find({static_cast<int>(layout.width), static_cast<int>(layout.height),
+                               pixels.channels, pixels.pixels, entity.to_string(),
+                               image.place.member, time}));
+      found += boxes.size();
+      for (const Box& box : boxes)
+        if (const auto one = grown(box, rule.options->grow, layout)) image.boxes.push_back(*one);
+    }
+    if (found <= kMaxBoxes) return {};
+    return unavailable("detector '{}' found more than {} boxes in one snapshot",
+                       rule.detector->name(), kMaxBoxes);
   }
 
   static HeldBoxes& boxes_of(Rule& rule, const MemoryId& entity) ENGRAM_REQUIRES(rule.mutex) {
@@ -173,16 +185,19 @@ struct Redactor::State {
                           RedactionCounters& counts) {
     RedactionOutcome outcome;
     std::vector<FoundImages> found;
-    std::vector<LookedImage> images;
+    int64_t looks = 0;
     for (idf::Data* const value : values) {
       found.push_back(find_images(*value));
-      if (!found.back().encoded) continue;
+      looks += found.back().looks();
+      outcome.dropped = found.back().unreadable;
+      if (looks > kMaxLooks)
+        outcome.dropped = fmt::format("found more than {} images in one snapshot", kMaxLooks);
+      if (!outcome.is_dropped()) continue;
       ++counts.unreadable;
       outcome.is_unreadable = true;
-      outcome.dropped = fmt::format(
-          "'{}' is a file of an image or video, in which no detector looks", *found.back().encoded);
       return outcome;
     }
+    std::vector<LookedImage> images;
     for (size_t i = 0; i < found.size(); ++i)
       for (const ImageMember& member : found[i].members)
         for (int64_t n = 0; n < member.layout.images; ++n)
@@ -190,15 +205,13 @@ struct Redactor::State {
     if (images.empty()) return outcome;
     size_t boxes = 0;
     for (LookedImage& image : images) {
-      auto seen = look(rule, entity, time, image, boxes);
+      const Status looked = look(rule, entity, time, image, boxes);
       ++counts.images;
-      if (!seen.ok()) {
-        ++counts.unanswered;
-        outcome.is_unanswered = true;
-        outcome.dropped = seen.status().message();
-        return outcome;
-      }
-      image.boxes = *std::move(seen);
+      if (looked.ok()) continue;
+      ++counts.unanswered;
+      outcome.is_unanswered = true;
+      outcome.dropped = looked.message();
+      return outcome;
     }
     outcome.boxes = boxes;
     for (const LookedImage& image : images)

@@ -22,7 +22,8 @@ struct RedactionCounters {
   uint64_t boxes = 0;       ///< That detectors found.
   uint64_t dropped = 0;     ///< Dropped snapshots, for any of the reasons below or by the action.
   uint64_t unanswered = 0;  ///< Snapshots without an answer of the detector, in time or at all.
-  uint64_t unreadable = 0;  ///< Snapshots with an image in a form in which no detector looks.
+  /// Snapshots with an image in a form in which no detector looks, or with too many images.
+  uint64_t unreadable = 0;
 
   void add(const RedactionCounters& more);
 };
@@ -39,7 +40,7 @@ struct RedactionOutcome {
   std::string dropped;
   /// The detector gave no answer: another try may succeed.
   bool is_unanswered = false;
-  /// It has an image or video in a form in which no detector looks.
+  /// It has an image or video in a form in which no detector looks, or too many images.
   bool is_unreadable = false;
   uint64_t redacted = 0;  ///< Images that were changed.
   uint64_t boxes = 0;     ///< That were found now; those that were held come on top.
@@ -63,8 +64,8 @@ enum class RedactionMemory : uint8_t {
 /// Every array that looks like an image counts, wherever it is in a value. What is found in one
 /// image of an instance is redacted in all its images of the same size, so depth follows colour.
 /// Buffers are never written to: arrays are copied where they change. A snapshot is dropped, and
-/// not passed on, if a detector gives no answer, or if it has JPEG, PNG, video or the like in
-/// bytes, in which no detector looks.
+/// not passed on, if a detector gives no answer, if it has JPEG, PNG, video, pixels or the like in
+/// bytes, in which no detector looks, or if it has more than 256 images.
 /// Threading: thread-safe. Detectors that are not parallel take turns.
 /// Source: docs/recording.md, section "Redaction".
 class Redactor {

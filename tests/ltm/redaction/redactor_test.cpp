@@ -12,6 +12,7 @@ namespace engram::ltm {
 namespace {
 
 using idf::NdArray;
+using testing::grey_images_with_secret;
 using testing::has_secret;
 using ::testing::HasSubstr;
 using testing::image_with_secret;
@@ -185,6 +186,41 @@ TEST_F(RedactorTest, FindsImagesInsideAndLetsDepthFollowColour) {
   EXPECT_EQ(depths[15 * 64 + 25], 0.0f);
   EXPECT_EQ(depths[15 * 64 + 5], 2.0f);
   EXPECT_EQ(image_of(one, "pose").values<double>()[0], 1.0);
+}
+
+TEST_F(RedactorTest, LooksAtEveryChannelAndEveryAxis) {
+  open(marker_redaction(scratch_.path()));
+  for (const idf::Shape& shape :
+       {idf::Shape{2, 48, 64}, {4, 48, 64}, {9, 48, 64}, {1, 1, 9, 48, 64}}) {
+    const int64_t count = shape.size() == 3 ? shape[0] : 9;
+    const NdArray given = grey_images_with_secret<float>(static_cast<int>(count), 64, 48, 20, 10);
+    Snapshot one = snapshot(*NdArray::create(given.type(), shape, given.buffer()));
+    EXPECT_EQ(redactor_->redact(one).boxes, 1u) << count;
+    const size_t in_last = static_cast<size_t>(((count - 1) * 48 + 10) * 64 + 20);
+    EXPECT_EQ(given.values<float>()[in_last], 255.0f);
+    EXPECT_NE(image_of(one).values<float>()[in_last], 255.0f) << count;
+  }
+  // A channel of which nothing is used is not worth a look.
+  Snapshot plain = snapshot(NdArray::take({48, 64, 4}, std::vector<uint8_t>(48 * 64 * 4, 255)));
+  EXPECT_EQ(redactor_->redact(plain).redacted, 0u);
+}
+
+TEST_F(RedactorTest, DropsASnapshotOfMoreImagesThanItLooksAt) {
+  open(marker_redaction(scratch_.path()));
+  const auto images = [&](int64_t count) {
+    return snapshot(NdArray::take({count, 8, 8, 1}, std::vector<uint8_t>(count * 64)));
+  };
+  Snapshot many = images(256);
+  EXPECT_FALSE(redactor_->redact(many).is_dropped());
+  Snapshot more = images(257);
+  const RedactionOutcome outcome = redactor_->redact(more);
+  EXPECT_TRUE(outcome.is_unreadable);
+  EXPECT_EQ(outcome.dropped, "found more than 256 images in one snapshot");
+  more = images(200);
+  more.instances.push_back(images(200).instances[0]);
+  EXPECT_TRUE(redactor_->redact(more).is_dropped());
+  EXPECT_EQ(redactor_->counters().unreadable, 2u);
+  EXPECT_EQ(redactor_->counters().images, 256u);
 }
 
 TEST_F(RedactorTest, LooksAtEveryInstance) {
