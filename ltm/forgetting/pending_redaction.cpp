@@ -24,6 +24,7 @@ class PendingReader {
   static PendingRedaction read(const Json& json) {
     PendingRedaction pending;
     pending.first_segment = number<uint64_t>(json.at("first_segment"));
+    pending.bytes_before = number<uint64_t>(json.at("bytes_before"));
     for (const auto& [name, entity] : json.at("entities").items()) {
       auto id = MemoryId::parse(name);
       if (!id.ok() || !id->is_entity()) throw std::invalid_argument("found an ID that is none");
@@ -44,13 +45,16 @@ class PendingReader {
   static PendingEntity read_entity(const Json& json) {
     PendingEntity entity;
     for (const Json& each : json.at("redacted"))
-      entity.redacted[time(each.at(0))] = {number<uint64_t>(each.at(1)), each.at(2).get<bool>()};
+      entity.redacted[time(each.at(0))] = {number<uint64_t>(each.at(1)), each.at(2).get<bool>(),
+                                           number<uint64_t>(each.at(3))};
     if (json.contains("counting"))
       entity.counting = {number<uint64_t>(json.at("counting").at(0)),
                          number<uint64_t>(json.at("counting").at(1))};
-    std::vector<Time> dropped;
-    for (const Json& each : json.at("dropped")) dropped.push_back(time(each));
-    entity.dropped = TimeSet(std::move(dropped));
+    for (const Json& each : json.at("dropped"))
+      entity.dropped[time(each.at(0))] = number<uint64_t>(each.at(1));
+    std::vector<Time> made;
+    for (const Json& each : json.at("made")) made.push_back(time(each));
+    entity.made = TimeSet(std::move(made));
     for (const Json& each : json.at("held")) entity.held.push_back(read_held(each));
     return entity;
   }
@@ -73,10 +77,14 @@ class PendingReader {
 };
 
 Json to_pending_json(const PendingEntity& entity) {
-  Json redacted = Json::array(), dropped = Json::array(), held = Json::array();
+  Json redacted = Json::array(), dropped = Json::array(), made = Json::array(),
+       held = Json::array();
   for (const auto& [time, of] : entity.redacted)
-    redacted.push_back({to_ns(time), of.raw_bytes, of.is_counted});
-  for (const Time time : entity.dropped) dropped.push_back(to_ns(time));
+    redacted.push_back({to_ns(time), of.raw_bytes, of.is_counted, of.boxes});
+  // An array in its own right, because the library takes a list of two for an object otherwise.
+  for (const auto& [time, boxes] : entity.dropped)
+    dropped.push_back(Json::array({to_ns(time), boxes}));
+  for (const Time time : entity.made) made.push_back(to_ns(time));
   for (const auto& [time, seen] : entity.held)
     // Paths of members need not be UTF-8, as texts of JSON must.
     held.push_back({to_ns(time), seen.place.instance,
@@ -84,6 +92,7 @@ Json to_pending_json(const PendingEntity& entity) {
                     seen.box.left, seen.box.top, seen.box.right, seen.box.bottom});
   Json json{{"redacted", std::move(redacted)},
             {"dropped", std::move(dropped)},
+            {"made", std::move(made)},
             {"held", std::move(held)}};
   if (entity.counting) json["counting"] = {entity.counting->snapshots, entity.counting->raw_bytes};
   return json;
@@ -103,8 +112,18 @@ ForgetSet PendingRedaction::redacted() const {
 
 ForgetSet PendingRedaction::dropped() const {
   ForgetSet set;
+  for (const auto& [id, entity] : entities) {
+    std::vector<Time> times;
+    for (const auto& [time, boxes] : entity.dropped) times.push_back(time);
+    if (!times.empty()) set[id] = TimeSet(std::move(times));
+  }
+  return set;
+}
+
+ForgetSet PendingRedaction::made() const {
+  ForgetSet set;
   for (const auto& [id, entity] : entities)
-    if (!entity.dropped.empty()) set[id] = entity.dropped;
+    if (!entity.made.empty()) set[id] = entity.made;
   return set;
 }
 
@@ -143,8 +162,10 @@ Status write_pending_redaction(const std::filesystem::path& store,
   if (failed) return unavailable("'{}': {}", path.parent_path().string(), failed.message());
   Json entities = Json::object();
   for (const auto& [id, entity] : pending.entities)
-    entities[id.to_string()] = to_pending_json(entity);
-  const Json json{{"first_segment", pending.first_segment}, {"entities", std::move(entities)}};
+    if (!entity.empty()) entities[id.to_string()] = to_pending_json(entity);
+  const Json json{{"first_segment", pending.first_segment},
+                  {"bytes_before", pending.bytes_before},
+                  {"entities", std::move(entities)}};
   const std::string text = json.dump() + "\n";
   return replace_file(path, std::as_bytes(std::span(text.data(), text.size())));
 }

@@ -46,7 +46,10 @@ class SnapshotRedaction {
   SnapshotRedaction(const StoreRedactionJob& job, Redactor& redactor, StoreWriter* writer,
                     StoreRedaction& report, PendingRedaction& pending)
       : job_(job), redactor_(redactor), writer_(writer), report_(report), pending_(pending) {
-    for (const auto& [id, entity] : pending.entities) noted_[id] = entity.held;
+    for (const auto& [id, entity] : pending.entities) {
+      noted_[id] = entity.held;
+      count_noted(entity, report.entities[id]);
+    }
   }
 
   Status visit(StorePast& past, const ForgetSet& chosen) {
@@ -66,6 +69,14 @@ class SnapshotRedaction {
   }
 
  private:
+  /// What killed runs did counts as if this one had done it.
+  static void count_noted(const PendingEntity& entity, EntityRedaction& counts) {
+    counts.redacted = entity.redacted.size();
+    counts.dropped = entity.dropped.size();
+    for (const auto& [time, of] : entity.redacted) counts.boxes += of.boxes;
+    for (const auto& [time, boxes] : entity.dropped) counts.boxes += boxes;
+  }
+
   Status visit(EntityPast& past, const Packer& packer, const MemoryId& entity, Time time) {
     if (job_.stop.stop_requested()) return cancelled("redacting was stopped");
     if (job_.progress) job_.progress({"redact " + entity.to_string(), done_, all_, "", -1});
@@ -79,22 +90,29 @@ class SnapshotRedaction {
     ++counts.looked_at;
     const Snapshot before = snapshot;
     const RedactionOutcome outcome = redactor_.redact(snapshot);
-    counts.boxes += outcome.boxes;
+    PendingEntity& pending = pending_.entities[entity];
+    // It goes already, and was only looked at for the boxes that hold.
+    if (pending.dropped.contains(time)) return {};
     counts.unanswered += outcome.is_unanswered ? 1 : 0;
     counts.unreadable += outcome.is_unreadable ? 1 : 0;
     if (outcome.is_unanswered || outcome.is_unreadable) return {};
+    const auto noted = pending.redacted.find(time);
+    const bool is_known = noted != pending.redacted.end();
+    // A box that a killed run redacted already holds again, and changes nothing.
+    const bool is_changed =
+        outcome.is_dropped() || (outcome.redacted > 0 && !has_same_data(snapshot, before));
+    if (is_changed || !is_known) counts.boxes += outcome.boxes;
+    if (!is_changed) return {};
     if (outcome.is_dropped()) {
       ++counts.dropped;
-      if (writer_ != nullptr) pending_.entities[entity].dropped.insert(time);
+      if (writer_ != nullptr) pending.dropped[time] = outcome.boxes;
       return {};
     }
-    // A box that a killed run redacted already holds again, and changes nothing.
-    if (outcome.redacted == 0 || has_same_data(snapshot, before)) return {};
-    ++counts.redacted;
-    return writer_ == nullptr ? Status() : record(packer, snapshot, outcome.seen);
+    if (!is_known) ++counts.redacted;
+    return writer_ == nullptr ? Status() : record(packer, snapshot, outcome);
   }
 
-  Status record(const Packer& packer, const Snapshot& snapshot, const std::vector<SeenBox>& seen) {
+  Status record(const Packer& packer, const Snapshot& snapshot, const RedactionOutcome& outcome) {
     PackedSnapshot packed{snapshot.entity, snapshot.time, {}, snapshot.raw_bytes(), 0, 0};
     for (const Instance& instance : snapshot.instances) {
       auto value = packer.pack(instance.data);
@@ -103,8 +121,9 @@ class SnapshotRedaction {
     }
     waiting_bytes_ += packed.raw_bytes;
     PendingEntity& entity = pending_.entities[snapshot.entity];
-    entity.redacted[snapshot.time] = {packed.raw_bytes, false};
-    for (const SeenBox& box : seen) entity.held.push_back({snapshot.time, box});
+    PendingEntity::Redacted& redacted = entity.redacted[snapshot.time];
+    redacted = {packed.raw_bytes, false, redacted.boxes + outcome.boxes};
+    for (const SeenBox& box : outcome.seen) entity.held.push_back({snapshot.time, box});
     waiting_.push_back(std::move(packed));
     return waiting_bytes_ < job_.max_appended_bytes ? Status() : append();
   }
@@ -186,7 +205,7 @@ Result<PendingRedaction> taken_up(const std::filesystem::path& store) {
   ENGRAM_ASSIGN_OR_RETURN(auto noted, read_pending_redaction(store));
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   const Manifest& manifest = reader->manifest();
-  if (!noted) return PendingRedaction{manifest.next_segment, {}};
+  if (!noted) return PendingRedaction{.first_segment = manifest.next_segment};
   for (auto& [id, entity] : noted->entities) {
     const auto sums = manifest.forgotten.find(id);
     if (entity.counting && sums != manifest.forgotten.end() &&
@@ -255,12 +274,15 @@ Status count_originals(const std::filesystem::path& store, PendingRedaction& pen
 /// Takes the originals of what was recorded anew, and what is to be forgotten, out of every file.
 Status erase_originals(const StoreRedactionJob& job, PendingRedaction& pending,
                        StoreRedaction& report) {
-  // Noted before the first of them goes, since boxes that hold from one to the next go with it.
-  ENGRAM_RETURN_IF_ERROR(write_pending_redaction(job.store, pending));
   const ForgetSet redacted = pending.redacted();
   ForgetSet gone = redacted;
   add_all(gone, pending.dropped());
-  ENGRAM_ASSIGN_OR_RETURN(const ForgetSet made, made_of(job.store, gone));
+  ENGRAM_ASSIGN_OR_RETURN(const ForgetSet found, made_of(job.store, gone));
+  for (const auto& [entity, times] : found) pending.entities[entity].made.insert_all(times);
+  // Noted before the first of them goes, since what holds from one to the next, and what tells of
+  // those that were made of it, goes with it.
+  ENGRAM_RETURN_IF_ERROR(write_pending_redaction(job.store, pending));
+  const ForgetSet made = pending.made();
   for (const auto& [entity, times] : made) report.made_of += times.size();
   add_all(gone, made);
   ENGRAM_ASSIGN_OR_RETURN(const Erasures coded,
@@ -339,6 +361,8 @@ Result<StoreRedaction> redact_store(const StoreRedactionJob& job) {
     ENGRAM_RETURN_IF_ERROR(writer->seal());
     ENGRAM_ASSIGN_OR_RETURN(pending, taken_up(job.store));
     report.taken_up = pending.snapshots();
+    if (report.taken_up == 0) pending.bytes_before = report.bytes_before;
+    report.bytes_before = pending.bytes_before;
   }
   ENGRAM_ASSIGN_OR_RETURN(const ForgetSet chosen, chosen_snapshots(job));
   {

@@ -35,12 +35,13 @@ struct StoreRedactionJob {
   std::stop_token stop;
 };
 
-/// What was done to one entity. Unit: snapshots, unless named.
+/// What was done to one entity, by this run and by earlier ones that were killed and that it
+/// finished. Unit: snapshots, unless named.
 struct EntityRedaction {
-  uint64_t looked_at = 0;
-  uint64_t redacted = 0;  ///< Recorded anew, redacted.
-  uint64_t boxes = 0;     ///< Boxes.
-  uint64_t dropped = 0;   ///< Forgotten, because that is the action.
+  uint64_t looked_at = 0;  ///< By this run.
+  uint64_t redacted = 0;   ///< Recorded anew, redacted.
+  uint64_t boxes = 0;      ///< Boxes.
+  uint64_t dropped = 0;    ///< Forgotten, because that is the action.
   /// They stay as they are, since the detector gave no answer, or they have images in a form in
   /// which no detector looks.
   uint64_t unanswered = 0;
@@ -49,13 +50,14 @@ struct EntityRedaction {
 
 /// What a redaction of a store did.
 struct StoreRedaction {
-  std::map<MemoryId, EntityRedaction> entities;  ///< Those that were looked at.
-  /// Snapshots that an earlier run redacted or meant to forget before it was killed, of which this
-  /// one took the originals.
+  std::map<MemoryId, EntityRedaction> entities;  ///< Those that were looked at or finished.
+  /// Snapshots among these that an earlier run redacted or meant to forget before it was killed, of
+  /// which this one took the originals.
   uint64_t taken_up = 0;
   uint64_t made_of = 0;  ///< Augmented snapshots that were made of redacted ones, and went.
   std::optional<ErasureReport> erased;  ///< If anything was to go.
-  uint64_t bytes_before = 0;            ///< Of the store's directory.
+  /// Of the store's directory, before the first run of those that this one finished.
+  uint64_t bytes_before = 0;
   uint64_t bytes_after = 0;
 
   [[nodiscard]] EntityRedaction total() const;

@@ -20,7 +20,7 @@ void print_redaction(const ltm::StoreRedaction& report, bool is_dry_run) {
                     is_dry_run ? "would be" : "done", count_text(total.looked_at),
                     count_text(total.redacted), count_text(total.dropped)));
   if (report.taken_up > 0)
-    print(fmt::format("finished what an earlier run began with {} snapshots",
+    print(fmt::format("an earlier run that was cut off began with {} of these snapshots",
                       count_text(report.taken_up)));
   if (report.made_of > 0)
     print(fmt::format("{} augmented snapshots that were made of them went, too",

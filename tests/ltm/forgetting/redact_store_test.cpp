@@ -186,6 +186,7 @@ TEST_F(RedactStoreTest, OnlyLooksIfItIsADryRun) {
 
 TEST_F(RedactStoreTest, FinishesWhatAKilledRunBegan) {
   make();
+  const uint64_t bytes_before = *directory_bytes(store_);
   const auto secrets = pieces();
   StoreRedactionJob killed = job();
   killed.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
@@ -200,7 +201,10 @@ TEST_F(RedactStoreTest, FinishesWhatAKilledRunBegan) {
   ASSERT_OK(report);
   EXPECT_EQ(*pending_redactions(store_), 0u);
   EXPECT_EQ(report->taken_up, 4u);
-  EXPECT_EQ(report->total().redacted, 0u);
+  EXPECT_EQ(report->total().looked_at, 12u);
+  EXPECT_EQ(report->total().redacted, 4u);
+  EXPECT_EQ(report->total().boxes, 4u);
+  EXPECT_EQ(report->bytes_before, bytes_before);
   expect_redacted();
   EXPECT_FALSE(is_in_any_file(secrets));
 }
@@ -249,12 +253,14 @@ TEST_F(RedactStoreTest, LeavesOutWhatWasNotedButNeverRecordedAnew) {
   const std::filesystem::path file = store_ / "erasures/redaction.pending";
   std::string noted(as_text(read_file(file)->bytes()));
   const std::string list = R"("redacted":[)";
-  noted.insert(noted.find(list) + list.size(), fmt::format("[{},9,false],", to_ns(time(0))));
+  noted.insert(noted.find(list) + list.size(), fmt::format("[{},9,false,1],", to_ns(time(0))));
   std::ofstream(file) << noted;
   EXPECT_EQ(*pending_redactions(store_), 5u);
   const auto report = redact_store(job());
   ASSERT_OK(report);
   EXPECT_EQ(report->taken_up, 4u);
+  EXPECT_EQ(report->total().redacted, 4u);
+  EXPECT_EQ(report->total().boxes, 4u);
   EXPECT_EQ(report->erased->entities.at(camera()).erased, 4u);
   EXPECT_EQ((*(*StoreReader::open(store_))->summary(camera())).forgotten.snapshots, 4u);
   expect_redacted();
@@ -279,7 +285,8 @@ TEST_F(RedactStoreTest, GoesOnWithTheBoxesThatHeldWhenItWasStopped) {
   const auto report = redact_store(stopped);
   ASSERT_OK(report);
   EXPECT_EQ(report->taken_up, 2u);
-  EXPECT_EQ(report->total().redacted, 1u) << "the third; the fourth is beyond the hold";
+  EXPECT_EQ(report->total().redacted, 3u) << "the fourth is beyond the hold";
+  EXPECT_EQ(report->total().boxes, 1u);
   const std::vector<Snapshot> read = all();
   ASSERT_EQ(read.size(), 4u);
   for (int i = 0; i < 4; ++i)
@@ -291,15 +298,25 @@ TEST_F(RedactStoreTest, GoesOnWithTheBoxesThatHeldWhenItWasStopped) {
 TEST_F(RedactStoreTest, RefusesADamagedNoteOfWhatIsPending) {
   make();
   std::filesystem::create_directories(store_ / "erasures");
-  const std::string entity = R"({"first_segment": 1, "entities": {"A/b/c/d": )";
+  const std::string entity = R"({"first_segment": 1, "bytes_before": 1, "entities": {"A/b/c/d": )";
+  const auto list = [](const std::string& redacted, const std::string& dropped,
+                       const std::string& made, const std::string& held) {
+    return fmt::format(R"({{"redacted": [{}], "dropped": [{}], "made": [{}], "held": [{}]}})",
+                       redacted, dropped, made, held);
+  };
+  std::ofstream(store_ / "erasures/redaction.pending")
+      << entity + list("[1, 1, true, 1]", "[2, 1]", "3", R"([1, 0, "", 0, 0, 0, 1, 1])") + "}}";
+  EXPECT_EQ(*pending_redactions(store_), 2u) << "else the faults below would prove nothing";
   for (const std::string& text :
-       {std::string(), std::string("[]"), std::string("{"), std::string(R"({"first_segment": 1})"),
-        std::string(R"({"first_segment": -1, "entities": {}})"),
-        std::string(R"({"first_segment": 1, "entities": {"Vision": {}}})"), entity + "[]}}",
-        entity + R"({"redacted": [[1.5, 1, true]], "dropped": [], "held": []}}})",
-        entity + R"({"redacted": [], "dropped": ["x"], "held": []}}})",
-        entity + R"({"redacted": [], "dropped": [], "held": [[1, 0, "", 0, 0, 0, 2, 1]]}}})",
-        entity + R"({"redacted": [], "dropped": [], "held": [[1, 0, "?", 0, 0, 0, 1, 1]]}}})"}) {
+       {std::string(), std::string("[]"), std::string("{"),
+        std::string(R"({"first_segment": 1, "bytes_before": 1})"),
+        std::string(R"({"first_segment": -1, "bytes_before": 1, "entities": {}})"),
+        std::string(R"({"first_segment": 1, "bytes_before": 1, "entities": {"Vision": {}}})"),
+        entity + "[]}}", entity + list("[1.5, 1, true, 1]", "", "", "") + "}}",
+        entity + list("[1, 1, true]", "", "", "") + "}}", entity + list("", "1", "", "") + "}}",
+        entity + list("", "", R"("x")", "") + "}}",
+        entity + list("", "", "", R"([1, 0, "", 0, 0, 0, 2, 1])") + "}}",
+        entity + list("", "", "", R"([1, 0, "?", 0, 0, 0, 1, 1])") + "}}"}) {
     std::ofstream(store_ / "erasures/redaction.pending", std::ios::trunc) << text;
     EXPECT_EQ(redact_store(job()).status().code(), StatusCode::kDataLoss) << text;
   }
@@ -315,6 +332,37 @@ TEST_F(RedactStoreTest, ForgetsSnapshotsIfThatIsTheAction) {
   EXPECT_EQ(report->total().dropped, 4u);
   EXPECT_EQ(all().size(), 8u);
   EXPECT_FALSE(is_in_any_file(secrets));
+}
+
+TEST_F(RedactStoreTest, CountsForgottenSnapshotsOnceWhereverARunIsKilled) {
+  make();
+  StoreRedactionJob killed = job();
+  killed.options.action = RedactAction::kDrop;
+  killed.code_anew = [](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    return cancelled("killed");
+  };
+  EXPECT_EQ(redact_store(killed).status().code(), StatusCode::kCancelled);
+  std::string noted;
+  StoreRedactionJob rest = killed;
+  // What goes stays so, whatever the action of the run that finishes it.
+  rest.options.action = RedactAction::kFill;
+  rest.code_anew = [&](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    noted = as_text(read_file(store_ / "erasures/redaction.pending")->bytes());
+    return Erasures();
+  };
+  const auto expect_counted = [](const Result<StoreRedaction>& report) {
+    ASSERT_OK(report);
+    EXPECT_EQ(report->taken_up, 4u);
+    EXPECT_EQ(report->total().dropped, 4u);
+    EXPECT_EQ(report->total().redacted, 0u);
+    EXPECT_EQ(report->total().boxes, 4u);
+    EXPECT_EQ(report->erased->entities.at(camera()).erased, 4u);
+  };
+  expect_counted(redact_store(rest));
+  EXPECT_EQ(all().size(), 8u);
+  // One that is killed just ahead of its end has forgotten them already.
+  std::ofstream(store_ / "erasures/redaction.pending") << noted;
+  expect_counted(redact_store(rest));
 }
 
 TEST_F(RedactStoreTest, LeavesWhatHasNoAnswerAsItIs) {
@@ -364,13 +412,22 @@ TEST_F(RedactStoreTest, TakesAugmentedSnapshotsAlongThatWereMadeOfIt) {
     }
     ASSERT_OK(writer->seal());
   }
-  const auto report = redact_store(job());
+  std::string noted;
+  StoreRedactionJob noting = job();
+  noting.code_anew = [&](const auto&, const auto&, const auto&, const auto&) -> Result<Erasures> {
+    noted = as_text(read_file(store_ / "erasures/redaction.pending")->bytes());
+    return Erasures();
+  };
+  const auto report = redact_store(noting);
   ASSERT_OK(report);
   EXPECT_EQ(report->made_of, 1u);
   const auto summary =
       (*StoreReader::open(store_))->summary(*MemoryId::parse("Vision/RGB/head/changed"));
   ASSERT_OK(summary);
   EXPECT_EQ(summary->snapshots, 1u);
+  // One that is killed just ahead of its end finds them gone.
+  std::ofstream(store_ / "erasures/redaction.pending") << noted;
+  EXPECT_EQ(redact_store(job())->made_of, 1u);
 }
 
 TEST_F(RedactStoreTest, IsRefusedWhileSomebodyRecords) {
