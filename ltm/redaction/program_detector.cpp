@@ -6,11 +6,11 @@
 #include <thread>
 
 #include "ltm/core/buffer.h"
+#include "ltm/core/line_process.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
 #include "ltm/core/printable.h"
 #include "ltm/idf/strict_json.h"
-#include "ltm/redaction/detector_process.h"
 
 namespace engram::ltm {
 
@@ -22,6 +22,7 @@ constexpr Duration kLongestPause = std::chrono::seconds(30);
 constexpr Duration kGrace = std::chrono::milliseconds(300);
 /// Bytes of an answer that an error shows.
 constexpr size_t kShownBytes = 80;
+constexpr size_t kMaxAnswer = size_t{1} << 20;
 
 Status check_ready(const std::string& line) {
   const auto json = idf::parse_json(line, 2);
@@ -66,11 +67,13 @@ struct ProgramDetector::State {
   Duration pause ENGRAM_GUARDED_BY(mutex) = kFirstPause;
   bool is_open ENGRAM_GUARDED_BY(mutex) = false;  ///< Somebody has this detector.
   /// Used by one side at a time, see Phase.
-  DetectorProcess process;
+  LineProcess process;
   std::jthread thread;  ///< The last member, so it ends first.
 
   Status begin(const std::stop_token& stop) {
-    ENGRAM_RETURN_IF_ERROR(process.start(options.command));
+    ENGRAM_RETURN_IF_ERROR(process.start(
+        options.command,
+        {.has_errors = false, .life = ChildLife::kWithThread, .max_line = kMaxAnswer}));
     ENGRAM_ASSIGN_OR_RETURN(const std::string line,
                             process.read_line(steady_now() + options.start_timeout, stop));
     return check_ready(line);

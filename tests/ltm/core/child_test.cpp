@@ -7,9 +7,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include "tests/ltm/scratch_directory.h"
 
@@ -53,8 +55,47 @@ TEST(Child, LeadsAGroupAndBlocksNoSignalThatItsParentBlocks) {
 
 TEST(Child, SaysWhyAProgramCannotBeStarted) {
   const auto child = start_child({"/nowhere/program"}, {});
-  EXPECT_EQ(child.status().code(), StatusCode::kUnavailable);
+  EXPECT_EQ(child.status().code(), StatusCode::kNotFound);
   EXPECT_NE(child.status().message().find("No such file"), std::string::npos);
+  EXPECT_EQ(start_child({"/"}, {}).status().code(), StatusCode::kUnavailable);
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "no child is left of them";
+}
+
+TEST(Child, ReadsWhatItIsToldAndNoOtherFile) {
+  std::array<int, 2> in{}, out{}, open{};
+  ASSERT_EQ(::pipe2(in.data(), O_CLOEXEC), 0);
+  ASSERT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
+  ASSERT_EQ(::pipe(open.data()), 0);
+  const std::string file = "/proc/self/fd/" + std::to_string(open[1]);
+  const auto child =
+      start_child({"sh", "-c", "cat; test -e " + file + "; echo $?"}, {out[1], {}, in[0]});
+  for (const int fd : {in[0], out[1], open[0], open[1]}) ::close(fd);
+  ASSERT_TRUE(child.ok()) << child.status().to_string();
+  ASSERT_EQ(::write(in[1], "given ", 6), 6);
+  ::close(in[1]);
+  std::string said;
+  std::array<char, 100> bytes{};
+  for (ssize_t got = 0; (got = ::read(out[0], bytes.data(), bytes.size())) > 0;)
+    said.append(bytes.data(), static_cast<size_t>(got));
+  ::close(out[0]);
+  EXPECT_EQ(exit_code_of(*child), 0);
+  EXPECT_EQ(said, "given 1\n");
+}
+
+TEST(Child, DiesWithTheThreadThatStartedItIfThatIsItsLife) {
+  for (const ChildLife life : {ChildLife::kItsOwn, ChildLife::kWithThread}) {
+    pid_t child = -1;
+    std::thread([&child, life] { child = *start_child({"sleep", "60"}, {}, life); }).join();
+    ASSERT_GT(child, 0);
+    if (life == ChildLife::kItsOwn) {
+      EXPECT_EQ(::waitpid(child, nullptr, WNOHANG), 0);
+      ::kill(child, SIGTERM);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(WTERMSIG(status), life == ChildLife::kItsOwn ? SIGTERM : SIGKILL);
+  }
 }
 
 }  // namespace
