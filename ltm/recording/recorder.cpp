@@ -128,6 +128,7 @@ struct Recorder::State {
     counters.redacted_images += offered.redaction.redacted;
     counters.redacted_boxes += offered.redaction.boxes;
     counters.redact_unanswered += offered.redaction.is_unanswered ? 1 : 0;
+    counters.redact_unreadable += offered.redaction.is_unreadable ? 1 : 0;
   }
 
   static void drop(RecordingChannel& channel, const OfferedSnapshot& offered) {

@@ -44,10 +44,12 @@ struct RecordingCounters {
   /// Images that were redacted, and the boxes that were found in them.
   uint64_t redacted_images = 0;
   uint64_t redacted_boxes = 0;
-  /// Snapshots that redaction dropped, which `dropped_by` counts as "redact", and those of them
-  /// that no detector answered for. No filter saw them.
+  /// Snapshots that redaction dropped, which `dropped_by` counts as "redact"; those of them that no
+  /// detector answered for; and those with an image in a form in which no detector looks. No filter
+  /// saw them.
   uint64_t redact_dropped = 0;
   uint64_t redact_unanswered = 0;
+  uint64_t redact_unreadable = 0;
 };
 
 /// How to treat a snapshot whose time is not after the entity's last one.

@@ -72,6 +72,29 @@ void share_boxes(std::vector<LookedImage>& images) {
   for (LookedImage& image : images) image.boxes = found[size_of(image)];
 }
 
+/// Finds the images of all instances. Returns why no detector can look at them; empty: it can.
+std::string find_in_all(std::span<idf::Data* const> values, std::vector<FoundImages>& found) {
+  int64_t looks = 0;
+  for (idf::Data* const value : values) {
+    found.push_back(find_images(*value));
+    looks += found.back().looks();
+    if (!found.back().unreadable.empty()) return found.back().unreadable;
+    if (looks > kMaxLooks)
+      return fmt::format("found more than {} images in one snapshot", kMaxLooks);
+  }
+  return "";
+}
+
+/// `found` must outlive them.
+std::vector<LookedImage> images_of(const std::vector<FoundImages>& found) {
+  std::vector<LookedImage> images;
+  for (size_t i = 0; i < found.size(); ++i)
+    for (const ImageMember& member : found[i].members)
+      for (int64_t n = 0; n < member.layout.images; ++n)
+        images.push_back({{i, member.path, n}, &member, {}});
+  return images;
+}
+
 /// Whether all pixels are the same, as those of a channel that nobody uses.
 bool is_plain(const GreyOrRgb& pixels) {
   return std::ranges::adjacent_find(pixels.pixels, std::not_equal_to<>()) == pixels.pixels.end();
@@ -185,23 +208,13 @@ struct Redactor::State {
                           RedactionCounters& counts) {
     RedactionOutcome outcome;
     std::vector<FoundImages> found;
-    int64_t looks = 0;
-    for (idf::Data* const value : values) {
-      found.push_back(find_images(*value));
-      looks += found.back().looks();
-      outcome.dropped = found.back().unreadable;
-      if (looks > kMaxLooks)
-        outcome.dropped = fmt::format("found more than {} images in one snapshot", kMaxLooks);
-      if (!outcome.is_dropped()) continue;
+    outcome.dropped = find_in_all(values, found);
+    if (outcome.is_dropped()) {
       ++counts.unreadable;
       outcome.is_unreadable = true;
       return outcome;
     }
-    std::vector<LookedImage> images;
-    for (size_t i = 0; i < found.size(); ++i)
-      for (const ImageMember& member : found[i].members)
-        for (int64_t n = 0; n < member.layout.images; ++n)
-          images.push_back({{i, member.path, n}, &member, {}});
+    std::vector<LookedImage> images = images_of(found);
     if (images.empty()) return outcome;
     size_t boxes = 0;
     for (LookedImage& image : images) {

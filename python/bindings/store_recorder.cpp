@@ -34,6 +34,7 @@ py::dict counts_of(const ltm::RecordingCounters& of) {
   counts["redacted"] = of.redacted_images;
   counts["redacted_boxes"] = of.redacted_boxes;
   counts["redact_unanswered"] = of.redact_unanswered;
+  counts["redact_unreadable"] = of.redact_unreadable;
   counts["late"] = of.late;
   counts["failed"] = of.failed;
   return counts;

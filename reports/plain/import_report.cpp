@@ -34,6 +34,7 @@ Json entity_json(const ltm::MemoryId& id, const ltm::RecordingCounters& counters
           {"redacted", counters.redacted_images},
           {"redacted_boxes", counters.redacted_boxes},
           {"redact_unanswered", counters.redact_unanswered},
+          {"redact_unreadable", counters.redact_unreadable},
           {"filters", std::move(filters)},
           {"reinterpreted", counters.reinterpreted},
           {"offered_bytes", counters.offered_bytes},
@@ -74,9 +75,12 @@ void print_filters(const ltm::MemoryId& id, const ltm::RecordingCounters& counte
                       count_text(counters.late)));
   if (counters.redacted_images + counters.redact_dropped > 0)
     print(fmt::format(
-        "{}: {} images redacted in {} boxes; {} snapshots dropped, {} of them without an answer",
+        "{}: {} images redacted in {} boxes; {} snapshots dropped, {} of them without an answer "
+        "and "
+        "{} with images in which no detector looks",
         id.printable(), count_text(counters.redacted_images), count_text(counters.redacted_boxes),
-        count_text(counters.redact_dropped), count_text(counters.redact_unanswered)));
+        count_text(counters.redact_dropped), count_text(counters.redact_unanswered),
+        count_text(counters.redact_unreadable)));
   if (counters.failed > 0)
     print(fmt::format("{}: {} snapshots could not be stored", id.printable(),
                       count_text(counters.failed)));

@@ -44,6 +44,8 @@ std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
     all.push_back({"redact_dropped", "Snapshots dropped by redaction.", number(redaction.dropped)});
     all.push_back({"redact_unanswered", "Of these, without an answer of the detector.",
                    number(redaction.unanswered)});
+    all.push_back({"redact_unreadable", "Of these, with images in which no detector looks.",
+                   number(redaction.unreadable)});
   }
   if (!counters.store) return all;
   const memory::LongTerm::Counters& store = *counters.store;

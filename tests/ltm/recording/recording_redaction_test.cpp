@@ -98,6 +98,22 @@ TEST_F(RecordingRedactionTest, DropsWithoutAnAnswerAndCountsIt) {
   EXPECT_EQ(summary->dropped_by.at("redact"), offered - 1);
 }
 
+TEST_F(RecordingRedactionTest, CountsWhatNoDetectorLooksIn) {
+  EntityRule rule = plain_rule();
+  rule.redact = marker_redaction(scratch_.path());
+  auto recorder = *Recorder::open(store(), {.rules = {rule}});
+  std::vector<uint8_t> video(500);
+  video[2] = 1, video[3] = 0x41;
+  ASSERT_OK(recorder.commit({{{camera_,
+                               time_from_ns(1),
+                               {{idf::Dict{{"data", idf::NdArray::take({500}, video)}}, {}}}}}}));
+  const RecordingCounters& counters = recorder.counters().at(camera_);
+  EXPECT_EQ(counters.redact_unreadable, 1u);
+  EXPECT_EQ(counters.redact_dropped, 1u);
+  EXPECT_EQ(counters.redact_unanswered, 0u);
+  EXPECT_EQ(counters.kept, 0u);
+}
+
 TEST_F(RecordingRedactionTest, DropsWhatIsFoundAheadOfFilters) {
   EntityRule rule = plain_rule();
   rule.redact = marker_redaction(scratch_.path());
