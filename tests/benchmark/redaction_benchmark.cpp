@@ -15,7 +15,7 @@ namespace engram::ltm {
 namespace {
 
 constexpr size_t kSeenImages = 12;
-constexpr size_t kSeenEvery = 10;
+constexpr size_t kSeenEvery = 40;
 
 std::vector<idf::NdArray> seen_in_videos() {
   std::vector<idf::NdArray> images;
@@ -38,7 +38,8 @@ const std::vector<idf::NdArray>& seen_images() {
     auto images = seen_in_videos();
     if (!images.empty()) return images;
     const auto scene =
-        datasets::Scene::create({.width = 768, .height = 432, .seconds = 8, .rate_hz = 15}).value();
+        datasets::Scene::create({.width = 768, .height = 432, .seconds = 40, .rate_hz = 15})
+            .value();
     for (size_t i = 0; i < kSeenImages; ++i) images.push_back(scene.render(i * kSeenEvery)->image);
     return images;
   }();
