@@ -11,7 +11,7 @@ namespace engram::ltm {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using PendingJson = nlohmann::ordered_json;
 
 constexpr const char* kPendingFile = "erasures/redaction.pending";
 /// The file, its entities, one of them, a list of it, an entry, a number.
@@ -21,7 +21,7 @@ constexpr int kMaxPendingLevels = 6;
 /// library does itself where a number is a text.
 class PendingReader {
  public:
-  static PendingRedaction read(const Json& json) {
+  static PendingRedaction read(const PendingJson& json) {
     PendingRedaction pending;
     pending.first_segment = number<uint64_t>(json.at("first_segment"));
     pending.bytes_before = number<uint64_t>(json.at("bytes_before"));
@@ -35,31 +35,31 @@ class PendingReader {
 
  private:
   template <typename T>
-  static T number(const Json& json) {
+  static T number(const PendingJson& json) {
     const bool fits = std::is_unsigned_v<T> ? json.is_number_unsigned() : json.is_number_integer();
     if (!fits) throw std::invalid_argument("found a number that is none");
     return json.get<T>();
   }
-  static Time time(const Json& json) { return time_from_ns(number<int64_t>(json)); }
+  static Time time(const PendingJson& json) { return time_from_ns(number<int64_t>(json)); }
 
-  static PendingEntity read_entity(const Json& json) {
+  static PendingEntity read_entity(const PendingJson& json) {
     PendingEntity entity;
-    for (const Json& each : json.at("redacted"))
+    for (const PendingJson& each : json.at("redacted"))
       entity.redacted[time(each.at(0))] = {number<uint64_t>(each.at(1)), each.at(2).get<bool>(),
                                            number<uint64_t>(each.at(3))};
     if (json.contains("counting"))
       entity.counting = {number<uint64_t>(json.at("counting").at(0)),
                          number<uint64_t>(json.at("counting").at(1))};
-    for (const Json& each : json.at("dropped"))
+    for (const PendingJson& each : json.at("dropped"))
       entity.dropped[time(each.at(0))] = number<uint64_t>(each.at(1));
     std::vector<Time> made;
-    for (const Json& each : json.at("made")) made.push_back(time(each));
+    for (const PendingJson& each : json.at("made")) made.push_back(time(each));
     entity.made = TimeSet(std::move(made));
-    for (const Json& each : json.at("held")) entity.held.push_back(read_held(each));
+    for (const PendingJson& each : json.at("held")) entity.held.push_back(read_held(each));
     return entity;
   }
 
-  static PendingEntity::Held read_held(const Json& json) {
+  static PendingEntity::Held read_held(const PendingJson& json) {
     const auto member = idf::from_base64(json.at(2).get<std::string>());
     if (!member) throw std::invalid_argument("found a member that is no base64");
     PendingEntity::Held held;
@@ -76,24 +76,24 @@ class PendingReader {
   }
 };
 
-Json to_pending_json(const PendingEntity& entity) {
-  Json redacted = Json::array(), dropped = Json::array(), made = Json::array(),
-       held = Json::array();
+PendingJson to_pending_json(const PendingEntity& entity) {
+  PendingJson redacted = PendingJson::array(), dropped = PendingJson::array(),
+              made = PendingJson::array(), held = PendingJson::array();
   for (const auto& [time, of] : entity.redacted)
     redacted.push_back({to_ns(time), of.raw_bytes, of.is_counted, of.boxes});
   // An array in its own right, because the library takes a list of two for an object otherwise.
   for (const auto& [time, boxes] : entity.dropped)
-    dropped.push_back(Json::array({to_ns(time), boxes}));
+    dropped.push_back(PendingJson::array({to_ns(time), boxes}));
   for (const Time time : entity.made) made.push_back(to_ns(time));
   for (const auto& [time, seen] : entity.held)
     // Paths of members need not be UTF-8, as texts of JSON must.
     held.push_back({to_ns(time), seen.place.instance,
                     idf::to_base64(std::as_bytes(std::span(seen.place.member))), seen.place.image,
                     seen.box.left, seen.box.top, seen.box.right, seen.box.bottom});
-  Json json{{"redacted", std::move(redacted)},
-            {"dropped", std::move(dropped)},
-            {"made", std::move(made)},
-            {"held", std::move(held)}};
+  PendingJson json{{"redacted", std::move(redacted)},
+                   {"dropped", std::move(dropped)},
+                   {"made", std::move(made)},
+                   {"held", std::move(held)}};
   if (entity.counting) json["counting"] = {entity.counting->snapshots, entity.counting->raw_bytes};
   return json;
 }
@@ -160,12 +160,12 @@ Status write_pending_redaction(const std::filesystem::path& store,
   std::error_code failed;
   std::filesystem::create_directories(path.parent_path(), failed);
   if (failed) return unavailable("'{}': {}", path.parent_path().string(), failed.message());
-  Json entities = Json::object();
+  PendingJson entities = PendingJson::object();
   for (const auto& [id, entity] : pending.entities)
     if (!entity.empty()) entities[id.to_string()] = to_pending_json(entity);
-  const Json json{{"first_segment", pending.first_segment},
-                  {"bytes_before", pending.bytes_before},
-                  {"entities", std::move(entities)}};
+  const PendingJson json{{"first_segment", pending.first_segment},
+                         {"bytes_before", pending.bytes_before},
+                         {"entities", std::move(entities)}};
   const std::string text = json.dump() + "\n";
   return replace_file(path, std::as_bytes(std::span(text.data(), text.size())));
 }
