@@ -8,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -18,12 +19,14 @@ namespace {
 /// What a child does before it is another program. It still has its parent's memory then, as after
 /// posix_spawn, which cannot set a signal for the parent's death: a copy of that memory, as fork
 /// makes it, takes long where a network is learned. So nothing here may change memory or take a
-/// lock; the calls are the kernel's.
+/// lock; the calls are the kernel's. Sanitizers make a fork of it, so that the error comes by a
+/// pipe.
 struct ChildPlan {
   char* const* argv;
   ChildStreams streams;
   ChildLife life;
   pid_t parent;
+  int failed;  ///< The error is written there.
 
   void move_to(int from, int to) const {
     if (from == to)
@@ -61,14 +64,25 @@ struct ChildPlan {
   }
 };
 
-/// Its frame must not be left by the child, and so has nothing else in it.
-[[gnu::noinline]] pid_t start(const ChildPlan& plan, volatile int& error) {
+/// Nothing else is in its frame, which the child must not change.
+[[gnu::noinline]] pid_t start(const ChildPlan& plan) {
   const pid_t child = ::vfork();
   if (child == 0) {
-    error = plan.become();
+    const int error = plan.become();
+    [[maybe_unused]] const ssize_t told = ::write(plan.failed, &error, sizeof(error));
     ::_exit(127);
   }
   return child;
+}
+
+/// The error that a child told before it could become a program; 0: it did.
+int told_error(int failed) {
+  int error = 0;
+  ssize_t got = 0;
+  do {
+    got = ::read(failed, &error, sizeof(error));
+  } while (got < 0 && errno == EINTR);
+  return got == sizeof(error) ? error : 0;
 }
 
 }  // namespace
@@ -78,14 +92,18 @@ Result<pid_t> start_child(const std::vector<std::string>& words, const ChildStre
   std::vector<char*> argv;
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
+  std::array<int, 2> failed{};
+  if (::pipe2(failed.data(), O_CLOEXEC) != 0) return unavailable("{}", std::strerror(errno));
   // A handler must not run in the child, which has the memory of this process.
   sigset_t all, before;
   sigfillset(&all);
   ::pthread_sigmask(SIG_SETMASK, &all, &before);
-  volatile int error = 0;
-  const pid_t child = start({argv.data(), streams, life, ::getpid()}, error);
-  if (child < 0) error = errno;
+  const pid_t child = start({argv.data(), streams, life, ::getpid(), failed[1]});
+  const int error_of_fork = child < 0 ? errno : 0;
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  ::close(failed[1]);
+  const int error = child < 0 ? error_of_fork : told_error(failed[0]);
+  ::close(failed[0]);
   if (error == 0) return child;
   while (child > 0 && ::waitpid(child, nullptr, 0) < 0 && errno == EINTR) continue;
   const std::string reason = std::strerror(error);

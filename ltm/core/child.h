@@ -13,9 +13,9 @@ namespace engram {
 
 /// The file descriptors of a child.
 struct ChildStreams {
-  std::optional<int> output;  ///< It writes there; empty: where its parent does.
-  std::optional<int> errors;
-  std::optional<int> input;  ///< It reads from there; empty: there is nothing to read.
+  std::optional<int> output{};  ///< It writes there; empty: where its parent does.
+  std::optional<int> errors{};
+  std::optional<int> input{};  ///< It reads from there; empty: there is nothing to read.
 };
 
 /// When a child ends, if not by itself.
