@@ -82,16 +82,16 @@ void HeldBoxes::join_two(Duration hold) {
   for (size_t i = 0; i < boxes_.size(); ++i) {
     const Held& one = boxes_[i];
     size_t best = i;
-    std::tuple<bool, double> least;
+    std::tuple<bool, double> smallest_growth;
     for (size_t k = i + 1; k < boxes_.size(); ++k) {
       const Held& other = boxes_[k];
       if (other.place != one.place) continue;
       const std::tuple growth{
           !do_touch(one.first, one.last, other.first, other.last, hold),
           hull(one.box, other.box).area() - std::max(one.box.area(), other.box.area())};
-      if (best != i && growth >= least) continue;
+      if (best != i && growth >= smallest_growth) continue;
       best = k;
-      least = growth;
+      smallest_growth = growth;
     }
     if (best == i) continue;
     Held& into = boxes_[best];

@@ -65,7 +65,7 @@ Result<std::shared_ptr<grpc::ServerCredentials>> credentials(const Endpoint& end
 /// messages. Beyond it gRPC ends streams and connections. Unit: bytes.
 size_t received_bytes(const RpcServer::Options& options) {
   constexpr size_t kMin = size_t{128} << 20;
-  constexpr size_t kMessages = 4;
+  constexpr size_t kMessages = 3;
   return std::max(kMin, kMessages * static_cast<size_t>(options.max_message_bytes));
 }
 
