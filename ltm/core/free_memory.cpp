@@ -4,22 +4,16 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <cstdint>
 #include <fstream>
 
 namespace engram {
 
-namespace {
-
-/// Memory of this process that is in RAM and belongs to no file. Zero if that is not known.
-uint64_t resident_bytes() {
+uint64_t anonymous_ram() {
   std::ifstream statm("/proc/self/statm");
   uint64_t size = 0, resident = 0, shared = 0;
   if (!(statm >> size >> resident >> shared) || resident < shared) return 0;
   return (resident - shared) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
 }
-
-}  // namespace
 
 void give_back_memory() {
 #ifdef __GLIBC__
@@ -32,7 +26,7 @@ void give_back_memory_above(size_t bytes) {
   // What the allocator calls free may have been given back already, so RAM is compared with what is
   // used. Other arenas than the main one are not counted as used, and are small.
   const auto info = ::mallinfo2();
-  if (resident_bytes() > info.uordblks + info.hblkhd + bytes) give_back_memory();
+  if (anonymous_ram() > info.uordblks + info.hblkhd + bytes) give_back_memory();
 #else
   (void)bytes;
 #endif

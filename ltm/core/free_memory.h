@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace engram {
 
@@ -15,5 +16,9 @@ void give_back_memory();
 /// The same if more than `bytes` bytes of memory are free. It is quick where they are not, so that
 /// it may be called in a loop.
 void give_back_memory_above(size_t bytes);
+
+/// Memory of this process that is in RAM and belongs to no file; 0 if that is not known. It takes
+/// some microseconds. Unit: bytes.
+[[nodiscard]] uint64_t anonymous_ram();
 
 }  // namespace engram

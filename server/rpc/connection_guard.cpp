@@ -222,6 +222,25 @@ class Watch {
   std::map<int64_t, Connection> connections_;  ///< By gRPC's number of the socket.
 };
 
+/// Gives back to the system what connections left, which gRPC frees, but the allocator keeps. Looks
+/// where RAM has grown, so that those that come one after the other take no more than one alone,
+/// and else seldom: a look takes milliseconds where much is free.
+class FreedMemory {
+ public:
+  void look() {
+    constexpr int kIntervalsBetween = 200;
+    constexpr uint64_t kMaxFreed = uint64_t{64} << 20;
+    if (--until_ > 0 && anonymous_ram() < known_ + kMaxFreed) return;
+    until_ = kIntervalsBetween;
+    give_back_memory_above(kMaxFreed);
+    known_ = anonymous_ram();
+  }
+
+ private:
+  uint64_t known_ = 0;
+  int until_ = 0;
+};
+
 }  // namespace
 
 struct ConnectionGuard::State {
@@ -241,20 +260,15 @@ struct ConnectionGuard::State {
   void run() {
     // The streams of a connection are gone some time after it.
     constexpr int kIntervalsUntilGone = 20, kTimes = 3;
-    // What gRPC keeps of a connection without a flood, it frees with it; but not to the system.
-    constexpr int kIntervalsUntilFreed = 200;
-    constexpr size_t kMaxFreed = size_t{64} << 20;
     Watch watch;
+    FreedMemory freed;
     int until_memory = 0;
-    int until_freed = kIntervalsUntilFreed;
     while (!wait()) {
       const uint64_t cut_now = watch.look();
       cut += cut_now;
       if (cut_now > 0) until_memory = kTimes * kIntervalsUntilGone;
       if (until_memory > 0 && --until_memory % kIntervalsUntilGone == 0) give_back_memory();
-      if (--until_freed > 0) continue;
-      until_freed = kIntervalsUntilFreed;
-      give_back_memory_above(kMaxFreed);
+      freed.look();
     }
   }
 };
