@@ -141,7 +141,12 @@ void for_each_descriptor(const std::function<void(int)>& visit) {
 bool shut_down(const std::string& peer) {
   bool is_done = false;
   for_each_descriptor([&](int descriptor) {
-    if (peer_of(descriptor) == peer) is_done = ::shutdown(descriptor, SHUT_RDWR) == 0 || is_done;
+    if (peer_of(descriptor) != peer) return;
+    is_done = ::shutdown(descriptor, SHUT_RDWR) == 0 || is_done;
+    // The peer may still send until gRPC closes it, which can take a minute; a reset ends that.
+    sockaddr none{};
+    none.sa_family = AF_UNSPEC;
+    (void)::connect(descriptor, &none, sizeof(none));
   });
   return is_done;
 }
