@@ -55,10 +55,12 @@ Result<idf::NdArray> read_jpeg(std::span<const std::byte> file, int64_t max_pixe
   int width = 0;
   int height = 0;
   int sampling = 0;
-  int colours = 0;
-  if (is_damaged(tjDecompressHeader3(handle.get(), chars_of(file), file.size(), &width, &height,
-                                     &sampling, &colours)))
-    return data_loss("jpeg: {}", tjGetErrorStr2(handle.get()));
+  int colours = -1;
+  const int header = tjDecompressHeader3(handle.get(), chars_of(file), file.size(), &width, &height,
+                                         &sampling, &colours);
+  // Which of its names the sampling has, libjpeg-turbo need not know to decode it.
+  const bool is_unnamed = sampling < 0 && colours >= 0;
+  if (is_damaged(header) && !is_unnamed) return data_loss("jpeg: {}", tjGetErrorStr2(handle.get()));
   if (width < 1 || height < 1 || width > max_pixels / height)
     return data_loss("jpeg: found {} x {} pixels, needs 1 to {}", width, height, max_pixels);
   if (colours == TJCS_CMYK || colours == TJCS_YCCK)

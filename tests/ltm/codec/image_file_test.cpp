@@ -58,6 +58,20 @@ TEST(ImageFile, IsNotBelievedThatFewBytesAreManyPixels) {
   EXPECT_FAILS(decode_any_image_file(jpeg, int64_t{1} << 30), StatusCode::kDataLoss, "hold no");
 }
 
+TEST(ImageFile, MayHaveColoursSampledLikeNoOthers) {
+  const auto image = idf::NdArray::take<uint8_t>({32, 32, 3}, std::vector<uint8_t>(3072, 90));
+  auto jpeg = encoded("jpeg", image);
+  const auto frame = std::ranges::search(jpeg, std::array{std::byte{0xff}, std::byte{0xc0}});
+  ASSERT_FALSE(frame.empty());
+  // Of the third colour twice as many columns as of the second, which has no name.
+  const auto sampling = frame.begin() + 17;
+  ASSERT_EQ(*sampling, std::byte{0x11});
+  *sampling = std::byte{0x21};
+  const auto decoded = decode_any_image_file(jpeg, 1024);
+  ASSERT_OK(decoded);
+  EXPECT_EQ(decoded->shape(), image.shape());
+}
+
 TEST(ImageFile, MayBeFilledUpBetweenSegments) {
   const auto grey = idf::NdArray::take<uint8_t>({2, 2, 1}, {5, 5, 5, 5});
   auto file = encoded("jpeg", grey);
