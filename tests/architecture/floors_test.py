@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sources keep to docs/design.md, section 3, and the checker finds where they would not."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -49,6 +50,17 @@ class Floors(unittest.TestCase):
         for both in ("reports", "reports/plain", "training/night", "server", "ltm/recall"):
             self.assertIn(both, floors.closure(rooms, "python"))
             self.assertIn(both, floors.closure(rooms, "cli"))
+
+    def test_fuzzers_are_built_with_all_rooms_that_they_need(self):
+        """Of the build of fuzzers alone, which nobody makes every day."""
+        text = (ROOT / "CMakeLists.txt").read_text(encoding="utf-8")
+        block = re.search(r"if\(ENGRAM_FUZZ\)(.*?)return\(\)", text, re.DOTALL)[1]
+        added = set(re.findall(r"add_subdirectory\((\S+)\)", block))
+        self.assertIn("tests/fuzz", added)
+        pairs = floors.arrows(ROOT)
+        missing = {below for above, below in pairs
+                   if above in added and not below.startswith("ltm/") and below not in added}
+        self.assertEqual(missing if "ltm" in added else {"ltm"}, set())
 
     def test_plain_reports_need_nothing_that_learns(self):
         rooms = floors.read_table((ROOT / "docs/design.md").read_text(encoding="utf-8"))
