@@ -146,7 +146,7 @@ bool shut_down(const std::string& peer) {
     // The peer may still send until gRPC closes it, which can take a minute; a reset ends that.
     sockaddr none{};
     none.sa_family = AF_UNSPEC;
-    (void)::connect(descriptor, &none, sizeof(none));
+    is_done = ::connect(descriptor, &none, sizeof(none)) == 0 || is_done;
   });
   return is_done;
 }
