@@ -23,8 +23,9 @@ struct LongTerm::State {
   const std::filesystem::path path;
   Mutex writing;  ///< Held while the recorder is called: one commit after the other.
   std::optional<ltm::Recorder> recorder ENGRAM_GUARDED_BY(writing);
-  /// What the recorder stored of earlier commits and nobody was told of; it fills this.
-  const Released released ENGRAM_PT_GUARDED_BY(writing);
+  /// What the recorder stored of earlier commits and nobody was told of. It fills this, so that
+  /// `writing` guards it, too.
+  const Released released;
   bool is_closed ENGRAM_GUARDED_BY(writing) = false;
 
   ltm::RecordedEntities recorded;

@@ -5,6 +5,7 @@
 #include <unordered_set>
 
 #include "ltm/core/log.h"
+#include "ltm/recording/redaction_rules.h"
 
 namespace engram::memory {
 
