@@ -15,6 +15,7 @@ using idf::ElementType;
 constexpr size_t kMaxImageBytes = size_t{1} << 28;
 constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n";
 constexpr std::string_view kJpegStart = "\xff\xd8\xff";
+constexpr std::string_view kJpegEnd = "\xff\xd9";
 
 /// A big-endian number of `count` bytes.
 int64_t number_at(std::span<const std::byte> file, size_t at, size_t count) {
@@ -34,8 +35,8 @@ std::optional<AnnouncedImage> announced_png(std::span<const std::byte> file) {
                         {number_at(file, 20, 4), number_at(file, 16, 4), colour == 2 ? 3 : 1}};
 }
 
-/// Reads segments up to the one that begins the frame (SOF).
-std::optional<AnnouncedImage> announced_jpeg(std::span<const std::byte> file) {
+/// Where the segment begins that begins the frame (SOF).
+std::optional<size_t> jpeg_frame(std::span<const std::byte> file) {
   for (size_t at = 2; at + 10 <= file.size();) {
     if (number_at(file, at, 1) != 0xff) return std::nullopt;
     const int64_t marker = number_at(file, at + 1, 1);
@@ -43,18 +44,30 @@ std::optional<AnnouncedImage> announced_jpeg(std::span<const std::byte> file) {
       ++at;
       continue;
     }
-    if (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc) {
-      const int64_t channels = number_at(file, at + 9, 1);
-      if (number_at(file, at + 4, 1) != 8 || (channels != 1 && channels != 3)) return std::nullopt;
-      return AnnouncedImage{"jpeg",
-                            ElementType::kUInt8,
-                            {number_at(file, at + 5, 2), number_at(file, at + 7, 2), channels}};
-    }
+    if (marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc)
+      return at;
     const int64_t length = number_at(file, at + 2, 2);
     if (marker < 0xc0 || length < 2) return std::nullopt;
     at += 2 + static_cast<size_t>(length);
   }
   return std::nullopt;
+}
+
+std::optional<AnnouncedImage> announced_jpeg(std::span<const std::byte> file) {
+  const auto frame = jpeg_frame(file);
+  if (!frame) return std::nullopt;
+  const int64_t channels = number_at(file, *frame + 9, 1);
+  if (number_at(file, *frame + 4, 1) != 8 || (channels != 1 && channels != 3)) return std::nullopt;
+  return AnnouncedImage{"jpeg",
+                        ElementType::kUInt8,
+                        {number_at(file, *frame + 5, 2), number_at(file, *frame + 7, 2), channels}};
+}
+
+/// Decoders invent what a truncated file lacks. A thumbnail ahead of the frame has an end of its
+/// own.
+bool has_jpeg_end(std::span<const std::byte> file) {
+  const auto frame = jpeg_frame(file);
+  return frame && as_text(file.subspan(*frame)).find(kJpegEnd) != std::string_view::npos;
 }
 
 }  // namespace
@@ -79,6 +92,8 @@ Result<idf::NdArray> decode_image_file(std::span<const std::byte> file) {
 
 Result<idf::NdArray> decode_any_image_file(std::span<const std::byte> file, int64_t max_pixels) {
   if (as_text(file).starts_with(kPngStart)) return read_png(file, max_pixels);
+  if (as_text(file).starts_with(kJpegStart) && !has_jpeg_end(file))
+    return data_loss("jpeg: its end is missing");
   if (as_text(file).starts_with(kJpegStart)) return read_jpeg(file, max_pixels);
   return invalid_argument("needs a PNG or JPEG file, found {} bytes", file.size());
 }

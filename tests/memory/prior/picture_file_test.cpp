@@ -47,7 +47,7 @@ TEST(PictureFile, LooksAtTheSizeBeforeItDecodes) {
   std::string huge = picture_file(".png", 2, 2, CV_8UC1, 0);
   for (size_t i = 16; i < 24; ++i) huge[i] = '\x7f';
   EXPECT_FAILS(read(huge, INT64_MAX / 4), StatusCode::kInvalidArgument, "picture");
-  EXPECT_FAILS(read(huge), StatusCode::kInvalidArgument, "2139062143 x 2139062143 pixels");
+  EXPECT_FAILS(read(huge), StatusCode::kInvalidArgument, "picture");
 }
 
 TEST(PictureFile, RefusesWhatIsNone) {

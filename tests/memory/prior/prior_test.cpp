@@ -118,8 +118,8 @@ TEST(Prior, TellsAllThatIsWrongWithFileAndLine) {
   EXPECT_EQ(prior.status().code(), StatusCode::kInvalidArgument);
   for (const char* part :
        {"json.json:2: is no JSON", "yaml.yaml:2: ", "negative.yaml:2: 'height'",
-        "text.json:3: ", "more.yaml:2: 'heigth'", "more.yaml:3: 'width'",
-        "missing.json:2: ", "many.json:3: ", "picture.png: is neither",
+        "text.json:3: ", "more.yaml:2: 'heigth'", "more.yaml:3: 'width'", "missing.json:2: ",
+        "many.json:3: ", "picture.png: is no picture to take: needs a PNG or JPEG file",
         "bad.type.xml:2: ", "stray.json: stands below 1 names", "prior.yaml:1: 'time'"})
     EXPECT_THAT(prior.status().message(), ::testing::HasSubstr(part));
   EXPECT_EQ(std::ranges::count(prior.status().message(), '\n'), 12) << prior.status().message();
@@ -153,7 +153,7 @@ TEST(Prior, IsBounded) {
                "large.json: has 1002 bytes, of JSON at most 999");
   directory.write("A/b/c/wide.png", picture_file(".png", 10, 10, CV_8UC1, 0));
   EXPECT_FAILS(directory.load({.max_pixels = 99}), StatusCode::kInvalidArgument,
-               "wide.png: is a picture of 10 x 10 pixels");
+               "wide.png: is no picture to take: png: found 10 x 10 pixels");
 }
 
 TEST(Prior, ToldAtOnceIsNotEndless) {
