@@ -7,6 +7,7 @@
 #include "cli/progress_line.h"
 #include "datasets/recordings/import_recording.h"
 #include "datasets/vault/vault_import.h"
+#include "datasets/vault/vault_mark.h"
 #include "ltm/core/log.h"
 #include "ltm/core/printable.h"
 #include "reports/plain/import_report.h"

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "datasets/vault/day_records.h"
+#include "datasets/vault/vault_mark.h"
 #include "datasets/vault/work_progress.h"
 #include "ltm/core/printable.h"
 

@@ -9,6 +9,7 @@
 #include "datasets/recordings/merged_snapshots.h"
 #include "datasets/vault/day_records.h"
 #include "datasets/vault/store_days.h"
+#include "datasets/vault/vault_mark.h"
 #include "datasets/vault/work_progress.h"
 #include "ltm/codec/packed_value.h"
 #include "ltm/core/log.h"

@@ -11,8 +11,8 @@
 #include <system_error>
 
 #include "datasets/recordings/folder_file.h"
+#include "datasets/vault/vault_mark.h"
 #include "datasets/vault/wiped_file.h"
-#include "ltm/core/byte_fields.h"
 #include "ltm/core/log.h"
 #include "ltm/core/printable.h"
 
@@ -22,11 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kMarkName = "engram.vault";
-constexpr std::string_view kMarkMagic = "ENGRAMVM";
-constexpr uint32_t kMarkVersion = 1;
-/// Magic, version and ID.
-constexpr uint64_t kMarkBytes = 8 + 4 + 16;
 constexpr std::string_view kUnfinished = ".new";
 
 /// A reader may meet a key file whose old bytes are being overwritten.
@@ -99,48 +94,6 @@ fs::path unfinished_file(const fs::path& vault, const RandomId& file) {
   return vault / (to_text(file) + std::string(kUnfinished));
 }
 
-/// Of the mark, which anybody may have made as large as they like, no more than one has.
-Result<std::vector<std::byte>> read_mark(const fs::path& vault) {
-  ENGRAM_ASSIGN_OR_RETURN(const File file, File::open(vault / kMarkName, File::Mode::kRead));
-  ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
-  std::vector<std::byte> bytes(std::min(size, kMarkBytes + 1));
-  ENGRAM_RETURN_IF_ERROR(file.read_at(0, bytes));
-  return bytes;
-}
-
-std::vector<std::byte> mark_of(const RandomId& vault) {
-  std::vector<std::byte> bytes;
-  FieldWriter out(bytes);
-  out.bytes(as_bytes(kMarkMagic));
-  out.number(kMarkVersion);
-  out.bytes(vault);
-  return bytes;
-}
-
-Status is_busy(const fs::path& vault) {
-  return failed_precondition("vault '{}': another process is changing it", name_of(vault));
-}
-
-void warn_of_no_lock(const fs::path& vault, const Status& why) {
-  log::warning("vault '{}': nothing here can be locked, so only one process may change it: {}",
-               name_of(vault), why.message());
-}
-
-/// Gives a new file the name of the mark, which nobody else may have given to another meanwhile.
-Status name_mark(const fs::path& made, const fs::path& vault) {
-  const fs::path mark = vault / kMarkName;
-  if (::link(made.c_str(), mark.c_str()) == 0) {
-    ENGRAM_RETURN_IF_ERROR(remove_file(made));
-    return sync_directory(vault);
-  }
-  const int error = errno;
-  if (error == EEXIST) ENGRAM_RETURN_IF_ERROR(remove_file(made));
-  // Whoever made it first has removed what was unfinished.
-  if (error == EEXIST || error == ENOENT) return is_busy(vault);
-  // File systems without second names, as FAT: this one may replace another.
-  return publish_file(made, mark);
-}
-
 /// A killed process may have left the file that was to name the vault.
 Result<bool> has_no_file(const fs::path& vault) {
   std::error_code error;
@@ -158,28 +111,6 @@ Status check_same_vault(const VaultPlaces& places, const RandomId& found, const 
   return failed_precondition("key file '{}': is of vault {}, '{}' is vault {}",
                              name_of(places.keys), to_text(keys.vault), name_of(places.vault),
                              to_text(found));
-}
-
-/// Locks the file that names a vault, since copies of its key file have locks of their own. Nothing
-/// if there is no such file.
-/// Errors: kFailedPrecondition if another process holds it; kUnavailable.
-Result<std::optional<File>> lock_mark(const fs::path& vault) {
-  const fs::path path = vault / kMarkName;
-  auto file = File::open(path, File::Mode::kRead);
-  if (file.status().code() == StatusCode::kNotFound) return std::optional<File>();
-  ENGRAM_RETURN_IF_ERROR(file.status());
-  auto is_locked = file->lock(false);
-  // NFS locks only what may be written.
-  if (!is_locked.ok()) {
-    file = File::open(path, File::Mode::kWrite);
-    if (file.ok()) is_locked = file->lock(false);
-  }
-  if (!file.ok() || !is_locked.ok()) {
-    warn_of_no_lock(vault, file.ok() ? is_locked.status() : file.status());
-    return std::optional<File>();
-  }
-  if (!*is_locked) return is_busy(vault);
-  return std::optional(*std::move(file));
 }
 
 /// The places of keys to be destroyed. Who holds the vault decides what its path leads to, so that
@@ -203,26 +134,6 @@ bool has_any_file(const fs::path& vault, const VaultKeys& keys) {
 }
 
 }  // namespace
-
-Result<RandomId> read_vault_id(const fs::path& vault) {
-  const auto bytes = read_mark(vault);
-  if (!bytes.ok() && bytes.status().code() != StatusCode::kNotFound) return bytes.status();
-  if (!bytes.ok())
-    return not_found("'{}': is no vault, as there is no file '{}' in it", name_of(vault),
-                     kMarkName);
-  FieldReader in(*bytes);
-  const bool is_mark = as_text(in.bytes(kMarkMagic.size())) == kMarkMagic;
-  const auto version = in.number<uint32_t>();
-  if (is_mark && in.is_whole() && version > kMarkVersion)
-    return failed_precondition(
-        "vault '{}': has version {} of the format, this program reads up to {}", name_of(vault),
-        version, kMarkVersion);
-  RandomId id{};
-  in.fill(id);
-  if (!is_mark || !in.is_whole() || in.rest() > 0 || version == 0)
-    return data_loss("vault '{}': its file '{}' is damaged", name_of(vault), kMarkName);
-  return id;
-}
 
 fs::path day_file(const fs::path& vault, const RandomId& file) {
   std::error_code error;
@@ -303,7 +214,7 @@ Result<VaultFolder> VaultFolder::open_keys(const VaultPlaces& places) {
   if (!folder.is_within_reach_ && id.status().code() != StatusCode::kNotFound)
     folder.lose_reach(id.status());
   if (!folder.is_within_reach_) return folder;
-  auto locked = lock_mark(real.vault);
+  auto locked = lock_vault_mark(real.vault);
   if (locked.ok())
     folder.lock_of_mark_ = *std::move(locked);
   else
@@ -341,7 +252,7 @@ Status VaultFolder::make_or_read_keys() {
 Status VaultFolder::make_or_check_vault() {
   is_within_reach_ = true;
   // Before it may be written anew, and then the new one: neither is anybody else's.
-  ENGRAM_ASSIGN_OR_RETURN(lock_of_mark_, lock_mark(places_.vault));
+  ENGRAM_ASSIGN_OR_RETURN(lock_of_mark_, lock_vault_mark(places_.vault));
   const auto id = read_vault_id(places_.vault);
   if (id.ok()) return check_same_vault(places_, *id, keys_);
   const StatusCode why = id.status().code();
@@ -369,16 +280,9 @@ Status VaultFolder::make_or_check_vault() {
 Status VaultFolder::make_mark(bool replaces_damaged) {
   RandomId name{};
   ENGRAM_RETURN_IF_ERROR(fill_random(name));
-  const fs::path made = new_file(name);
-  ENGRAM_ASSIGN_OR_RETURN(File file, File::open(made, File::Mode::kCreate));
-  // Before it is the mark, so that nobody else's lock comes first.
-  if (const auto is_locked = file.lock(false); !is_locked.ok())
-    warn_of_no_lock(places_.vault, is_locked.status());
-  ENGRAM_RETURN_IF_ERROR(file.append(mark_of(keys_.vault)));
-  ENGRAM_RETURN_IF_ERROR(file.sync());
-  lock_of_new_mark_ = std::move(file);
-  if (replaces_damaged) return publish_file(made, places_.vault / kMarkName);
-  return name_mark(made, places_.vault);
+  ENGRAM_ASSIGN_OR_RETURN(lock_of_new_mark_, make_vault_mark(places_.vault, keys_.vault,
+                                                             new_file(name), replaces_damaged));
+  return {};
 }
 
 /// Ends what a killed process began.

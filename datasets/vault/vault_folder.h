@@ -19,10 +19,6 @@ struct VaultPlaces {
 
 using EntityDay = std::pair<ltm::MemoryId, Day>;
 
-/// Reads the ID of the vault in a directory.
-/// Errors: kNotFound if there is no vault; kDataLoss; kFailedPrecondition if it is newer.
-Result<RandomId> read_vault_id(const std::filesystem::path& vault);
-
 /// The path of a file of the vault. It may still have the name that it had while it was written.
 [[nodiscard]] std::filesystem::path day_file(const std::filesystem::path& vault,
                                              const RandomId& file);

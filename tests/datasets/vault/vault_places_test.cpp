@@ -6,6 +6,7 @@
 #include <barrier>
 #include <future>
 
+#include "datasets/vault/vault_mark.h"
 #include "datasets/vault/wiped_file.h"
 #include "tests/datasets/vault/vault_fixture.h"
 
