@@ -228,18 +228,23 @@ Result<PendingRedaction> taken_up(const std::filesystem::path& store) {
 
 /// Counts the originals as forgotten and no longer as kept. They have as many plain bytes as what
 /// was recorded in their place.
-void count_forgotten(Manifest& manifest, const MemoryId& entity, const PendingEntity::Sums& more) {
+Status count_forgotten(Manifest& manifest, const MemoryId& entity,
+                       const PendingEntity::Sums& more) {
   ForgottenSums& sums = manifest.forgotten[entity];
   sums.snapshots += more.snapshots;
   sums.raw_bytes += more.raw_bytes;
   uint64_t raw_bytes = more.raw_bytes;
-  for (SegmentInfo& segment : manifest.segments)
-    for (SegmentEntity& part : segment.entities) {
-      if (segment.kind != SegmentKind::kRecorded || part.id != entity) continue;
-      const uint64_t taken = std::min(part.raw_bytes, raw_bytes);
-      part.raw_bytes -= taken;
-      raw_bytes -= taken;
-    }
+  for (SegmentInfo& segment : manifest.segments) {
+    if (segment.kind != SegmentKind::kRecorded || raw_bytes == 0) continue;
+    if (segment.find(entity) == nullptr) continue;
+    ENGRAM_RETURN_IF_ERROR(segment.entities.verify());
+    std::vector<SegmentEntity>& parts = segment.entities.edit();
+    SegmentEntity& part = *std::ranges::find(parts, entity, &SegmentEntity::id);
+    const uint64_t taken = std::min(part.raw_bytes, raw_bytes);
+    part.raw_bytes -= taken;
+    raw_bytes -= taken;
+  }
+  return {};
 }
 
 /// Counts in the manifest what no run counted yet. Notes the sums first, by which the next run can
@@ -266,7 +271,8 @@ Status count_originals(const std::filesystem::path& store, PendingRedaction& pen
   if (uncounted.empty()) return {};
   ENGRAM_RETURN_IF_ERROR(write_pending_redaction(store, pending));
   return edit_manifest(store, [&](Manifest& manifest) -> Status {
-    for (const auto& [entity, sums] : uncounted) count_forgotten(manifest, entity, sums);
+    for (const auto& [entity, sums] : uncounted)
+      ENGRAM_RETURN_IF_ERROR(count_forgotten(manifest, entity, sums));
     return {};
   });
 }

@@ -20,6 +20,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kManifestFile = "MANIFEST.json";
 constexpr const char* kManifestLock = "MANIFEST.lock";
+constexpr const char* kEntityBlocks = "entity_blocks";
+/// That of stores of format 2: all of them in one.
 constexpr const char* kPackedEntities = "packed_entities";
 constexpr std::string_view kUnfinishedManifest = "MANIFEST.json.new";
 constexpr std::array<std::string_view, 4> kFolders{"journal", "segments", "models", "tmp"};
@@ -101,7 +103,44 @@ SegmentEntity segment_entity_from(const Json& json) {
 /// A list of many entities is packed, because JSON takes 240 bytes for each, and seconds to read.
 bool is_packed(const SegmentInfo& segment) {
   constexpr size_t kMaxListed = 1000;
-  return segment.kind == SegmentKind::kRecorded && segment.entities.size() > kMaxListed;
+  return segment.entities.blocks() != nullptr ||
+         (segment.kind == SegmentKind::kRecorded && segment.entities.size() > kMaxListed);
+}
+
+Json blocks_to_json(const SegmentEntities& entities) {
+  // What nobody changed is written as it was read.
+  std::vector<EntityBlock> made;
+  if (entities.blocks() == nullptr) {
+    auto packed = pack_in_blocks({entities.begin(), entities.end()});
+    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
+    made = *std::move(packed);
+  }
+  Json blocks = Json::array();
+  for (const EntityBlock& block : entities.blocks() == nullptr ? made : *entities.blocks())
+    blocks.push_back({{"first", block.first.to_string()},
+                      {"count", block.count},
+                      {kPackedEntities, block.packed}});
+  return blocks;
+}
+
+SegmentEntities entities_from(const Json& json) {
+  if (json.contains(kEntityBlocks)) {
+    std::vector<EntityBlock> blocks;
+    for (const Json& block : json.at(kEntityBlocks))
+      blocks.push_back(
+          {entity_from(block.at("first")), block.at("count"), block.at(kPackedEntities)});
+    auto entities = SegmentEntities::from_blocks(std::move(blocks));
+    if (!entities.ok()) throw std::invalid_argument(entities.status().message());
+    return *std::move(entities);
+  }
+  std::vector<SegmentEntity> entities;
+  for (const Json& entity : json.at("entities")) entities.push_back(segment_entity_from(entity));
+  if (json.contains(kPackedEntities)) {
+    auto packed = unpack_entities(json.at(kPackedEntities).get_ref<const std::string&>());
+    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
+    std::ranges::move(*packed, std::back_inserter(entities));
+  }
+  return entities;
 }
 
 Json to_json(const SegmentInfo& segment) {
@@ -115,17 +154,15 @@ Json to_json(const SegmentInfo& segment) {
             {"checksum", to_hex(segment.checksum)},
             {"last_journal", segment.last_journal},
             {"entities", std::move(entities)}};
-  if (is_packed(segment)) {
-    auto packed = pack_entities(segment.entities);
-    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
-    json[kPackedEntities] = *std::move(packed);
-  }
+  if (is_packed(segment)) json[kEntityBlocks] = blocks_to_json(segment.entities);
   return json;
 }
 
 void sort_entities(SegmentInfo& segment) {
-  if (!std::ranges::is_sorted(segment.entities, {}, &SegmentEntity::id))
-    std::ranges::stable_sort(segment.entities, {}, &SegmentEntity::id);
+  // Packed ones are in order.
+  if (segment.entities.blocks() == nullptr &&
+      !std::ranges::is_sorted(segment.entities, {}, &SegmentEntity::id))
+    std::ranges::stable_sort(segment.entities.edit(), {}, &SegmentEntity::id);
 }
 
 SegmentInfo segment_from(const Json& json) {
@@ -138,13 +175,9 @@ SegmentInfo segment_from(const Json& json) {
   segment.bytes = json.at("bytes");
   segment.checksum = from_hex(json.at("checksum"));
   segment.last_journal = json.value("last_journal", uint64_t{0});
-  for (const Json& entity : json.at("entities"))
-    segment.entities.push_back(segment_entity_from(entity));
-  if (json.contains(kPackedEntities)) {
-    auto packed = unpack_entities(json.at(kPackedEntities).get_ref<const std::string&>());
-    if (!packed.ok()) throw std::invalid_argument(packed.status().message());
-    std::ranges::move(*packed, std::back_inserter(segment.entities));
-  }
+  segment.entities = entities_from(json);
+  if (segment.entities.blocks() != nullptr && segment.kind != SegmentKind::kRecorded)
+    throw std::invalid_argument("segment '" + segment.file + "' is packed, but not recorded");
   sort_entities(segment);
   return segment;
 }
@@ -288,13 +321,15 @@ std::string random_store_id() {
 
 }  // namespace
 
-const SegmentEntity* SegmentInfo::find(const MemoryId& entity) const {
-  const auto found = std::ranges::lower_bound(entities, entity, {}, &SegmentEntity::id);
-  return found == entities.end() || found->id != entity ? nullptr : &*found;
-}
-
 int Manifest::format_version() const {
   return std::ranges::any_of(segments, is_packed) ? kStoreFormatVersion : kFirstStoreFormatVersion;
+}
+
+Status Manifest::verify_entities() const {
+  for (const SegmentInfo& segment : segments)
+    if (const Status status = segment.entities.verify(); !status.ok())
+      return status.with_context("segment '" + segment.file + "'");
+  return {};
 }
 
 const ModelInfo* Manifest::newest_model(const MemoryId& entity) const {

@@ -9,41 +9,16 @@
 #include <vector>
 
 #include "ltm/memory/segment_types.h"
+#include "ltm/store/segment_entities.h"
 
 namespace engram::ltm {
 
 /// Newest store format that this program reads and writes, and that of stores without segments of
 /// many entities. Source: docs/format.md.
-inline constexpr int kStoreFormatVersion = 2;
+inline constexpr int kStoreFormatVersion = 3;
 inline constexpr int kFirstStoreFormatVersion = 1;
 
 enum class SegmentKind { kRecorded, kLatent };
-
-/// Sums over the latents of one entity in one segment. Reports use them and need not open the
-/// segment.
-struct LatentSums {
-  int model_version = 0;
-  uint64_t image_rows = 0;   ///< Rows with image members.
-  double psnr_db = 0;        ///< Sum over image rows; each capped at 60 dB.
-  double image_mse = 0;      ///< Sum over image rows.
-  uint64_t number_rows = 0;  ///< Rows with numeric members.
-  double number_mse = 0;     ///< Sum over number rows.
-};
-
-/// Describes what one segment file contains of one entity.
-struct SegmentEntity {
-  MemoryId id;
-  uint64_t snapshots = 0;
-  uint64_t rows = 0;  ///< Instances.
-  Time first{};
-  Time last{};
-  uint64_t raw_bytes = 0;      ///< Plain size of these snapshots, in bytes.
-  uint64_t stored_bytes = 0;   ///< This entity's share of the file, in bytes.
-  uint64_t dropped = 0;        ///< Snapshots that the online filters dropped in this span.
-  uint64_t dropped_bytes = 0;  ///< Their plain bytes.
-  LatentSums latent;           ///< Only in latent segments.
-  uint64_t augmented = 0;      ///< Number of these snapshots that are augmented.
-};
 
 struct SegmentInfo {
   std::string file;  ///< Relative to the store, "segments/000001.h5".
@@ -53,10 +28,12 @@ struct SegmentInfo {
   /// Number of the last journal whose data is in this segment; 0 if unknown. Only recorded segments
   /// have it.
   uint64_t last_journal = 0;
-  std::vector<SegmentEntity> entities;  ///< In the order of their IDs, once published.
+  SegmentEntities entities;
 
-  /// Null if the segment contains nothing of `entity`. Needs entities in order.
-  [[nodiscard]] const SegmentEntity* find(const MemoryId& entity) const;
+  /// As SegmentEntities::find.
+  [[nodiscard]] const SegmentEntity* find(const MemoryId& entity) const {
+    return entities.find(entity);
+  }
 };
 
 struct ModelInfo {
@@ -100,6 +77,10 @@ struct Manifest {
 
   /// The format version that a program needs to read it.
   [[nodiscard]] int format_version() const;
+
+  /// Unpacks what the segments contain. What changes or saves all of a store calls it first,
+  /// because entities in damaged blocks are not found. Errors: kDataLoss naming the segment.
+  [[nodiscard]] Status verify_entities() const;
 
   /// The model with the highest version, or null if the entity has no model.
   [[nodiscard]] const ModelInfo* newest_model(const MemoryId& entity) const;

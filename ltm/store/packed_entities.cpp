@@ -52,7 +52,7 @@ constexpr TimeColumn kTimes[] = {{"first", &SegmentEntity::first}, {"last", &Seg
 
 }  // namespace
 
-Result<std::string> pack_entities(const std::vector<SegmentEntity>& entities) {
+Result<std::string> pack_entities(std::span<const SegmentEntity> entities) {
   idf::List names;
   names.reserve(entities.size());
   for (const SegmentEntity& entity : entities) names.emplace_back(entity.id.to_string());

@@ -3,17 +3,18 @@
 
 // Private to this room: parts of the manifest.
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "ltm/store/manifest.h"
+#include "ltm/store/segment_entities.h"
 
 namespace engram::ltm {
 
 /// What a segment contains of many entities, as columns in a text of base64. Recorded segments
 /// only. Errors: kInvalidArgument.
-Result<std::string> pack_entities(const std::vector<SegmentEntity>& entities);
+Result<std::string> pack_entities(std::span<const SegmentEntity> entities);
 
 /// Reads what pack_entities wrote. Safe on hostile texts.
 /// Errors: kDataLoss, kInvalidArgument.

@@ -81,6 +81,8 @@ class Recovery {
 
   Status load() {
     auto manifest = read_manifest(source_);
+    if (manifest.ok())
+      if (const Status packed = manifest->verify_entities(); !packed.ok()) manifest = packed;
     const StatusCode code = manifest.status().code();
     if (code == StatusCode::kDataLoss || (code == StatusCode::kNotFound && has_files())) {
       ENGRAM_RETURN_IF_ERROR(rebuild(manifest.status()));

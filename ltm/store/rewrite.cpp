@@ -175,6 +175,7 @@ Result<RewriteReport> compact(const std::filesystem::path& store, const CompactO
   ENGRAM_RETURN_IF_ERROR(options.validate());
   RewriteReport report;
   ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));
+  ENGRAM_RETURN_IF_ERROR(manifest.verify_entities());
   ENGRAM_ASSIGN_OR_RETURN(const auto runs, runs_to_join(store, manifest, options));
   for (size_t i = 0; i < runs.size() && !report.is_cancelled; ++i) {
     if (progress) progress({"compact " + store.string(), i, runs.size(), "", -1});
@@ -198,6 +199,7 @@ Result<RewriteReport> forget_snapshots(const std::filesystem::path& store, const
                                        const ProgressSink& progress, const std::stop_token& stop) {
   RewriteReport report;
   ENGRAM_ASSIGN_OR_RETURN(const Manifest before, read_manifest(store));
+  ENGRAM_RETURN_IF_ERROR(before.verify_entities());
   const FateOf fate_of = [&gone](const MemoryId& id, const SnapshotEntry& entry) {
     const auto times = gone.find(id);
     return times != gone.end() && times->second.contains(entry.time) ? Fate::kForget : Fate::kKeep;

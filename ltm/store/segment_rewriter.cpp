@@ -125,7 +125,7 @@ Result<SegmentInfo> write_merged(const std::filesystem::path& file, const Merged
   ENGRAM_ASSIGN_OR_RETURN(const SegmentTypes types, source->types());
   ENGRAM_ASSIGN_OR_RETURN(SegmentInfo made, write_recorded_segment(file, merged.entities, types));
   // Dropped recorded forms are still counted, because their latents remain.
-  for (SegmentEntity& part : made.entities) part.raw_bytes = merged.raw_bytes.at(part.id);
+  for (SegmentEntity& part : made.entities.edit()) part.raw_bytes = merged.raw_bytes.at(part.id);
   return made;
 }
 

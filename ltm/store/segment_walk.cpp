@@ -57,7 +57,7 @@ class Describer {
     const auto stored = reader_.stored_bytes(entity);
     if (!status.ok() || !stored.ok()) result_.is_whole = false;
     part.stored_bytes = stored.value_or(0);
-    result_.info.entities.push_back(std::move(part));
+    result_.info.entities.edit().push_back(std::move(part));
   }
 
  private:

@@ -132,7 +132,7 @@ Status share_bytes(const h5::File& file, const GroupPlan& plan, SegmentInfo& inf
     for (const auto& [id, recorded] : plan.shared[number])
       bytes[*id] = share_of(all, row_count_of(*recorded), rows);
   }
-  for (SegmentEntity& entity : info.entities) entity.stored_bytes = bytes[entity.id];
+  for (SegmentEntity& entity : info.entities.edit()) entity.stored_bytes = bytes[entity.id];
   return {};
 }
 
@@ -176,7 +176,7 @@ void spread_overhead(SegmentInfo& info) {
   for (const SegmentEntity& entity : info.entities) data_bytes += entity.stored_bytes;
   uint64_t overhead = info.bytes - std::min(info.bytes, data_bytes);
   uint64_t left = info.entities.size();
-  for (SegmentEntity& entity : info.entities) {
+  for (SegmentEntity& entity : info.entities.edit()) {
     const uint64_t share = overhead / left--;
     entity.stored_bytes += share;
     overhead -= share;
@@ -210,7 +210,7 @@ Result<SegmentInfo> write_recorded_segment(const std::filesystem::path& file,
                                                                      : kFirstSegmentFormatVersion));
   for (const EntityRef& entity : plan.alone) ENGRAM_RETURN_IF_ERROR(write_alone(segment, entity));
   if (is_shared) ENGRAM_RETURN_IF_ERROR(write_shared(segment, plan.shared));
-  for (const auto& [id, recorded] : entities) info.entities.push_back(summarise(id, recorded));
+  for (const auto& [id, recorded] : entities) info.entities.edit().push_back(summarise(id, recorded));
   ENGRAM_RETURN_IF_ERROR(share_bytes(segment, plan, info));
   ENGRAM_RETURN_IF_ERROR(write_types(segment, info, types));
   ENGRAM_RETURN_IF_ERROR(finish_segment(std::move(segment), info));
@@ -221,7 +221,7 @@ Result<SegmentInfo> write_latent_segment(const std::filesystem::path& file, cons
                                          const std::vector<LatentSnapshot>& snapshots) {
   SegmentInfo info;
   info.kind = SegmentKind::kLatent;
-  SegmentEntity& summary = info.entities.emplace_back();
+  SegmentEntity& summary = info.entities.edit().emplace_back();
   summary.id = entity;
   ENGRAM_ASSIGN_OR_RETURN(h5::File segment, create_segment(file, "latent"));
   const std::string group = segment_group(entity);

@@ -129,6 +129,8 @@ class StoreCheck {
   }
 
   void check_entities(const SegmentInfo& segment) {
+    if (const Status packed = segment.entities.verify(); !packed.ok())
+      return add_fault("MANIFEST.json", segment.file, packed.message());
     std::set<MemoryId> seen;
     uint64_t bytes = 0;
     for (const SegmentEntity& entity : segment.entities) {

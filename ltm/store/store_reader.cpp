@@ -6,6 +6,7 @@
 #include <map>
 
 #include "ltm/core/file.h"
+#include "ltm/store/entity_index.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
 #include "ltm/store/last_of_each_time.h"
@@ -31,13 +32,6 @@ struct JournalEntry {
   FrameHead head;
 };
 
-/// What the manifest says of an entity.
-struct StoredEntity {
-  std::vector<TimelinePart> parts;  ///< Of segments with snapshots.
-  /// Its entry in each segment that names it, with the index of the segment.
-  std::vector<std::pair<uint32_t, const SegmentEntity*>> entries;
-};
-
 }  // namespace
 
 struct StoreReader::State {
@@ -50,7 +44,7 @@ struct StoreReader::State {
   uint64_t journal_damaged = 0;
   /// Most recently used first.
   std::list<std::pair<uint32_t, std::unique_ptr<SegmentReader>>> segments;
-  std::map<MemoryId, StoredEntity> stored;
+  EntityIndex stored;
   std::map<MemoryId, std::vector<const ModelInfo*>> models;
   std::map<MemoryId, Timeline> timelines;
   std::map<MemoryId, std::vector<SnapshotEntry>> indices;
@@ -58,7 +52,7 @@ struct StoreReader::State {
 
   Status load() {
     ENGRAM_ASSIGN_OR_RETURN(manifest, read_manifest(path));
-    for (uint32_t i = 0; i < manifest.segments.size(); ++i) add_parts(i);
+    stored = EntityIndex(manifest.segments);
     for (const ModelInfo& model : manifest.models) models[model.entity].push_back(&model);
     ENGRAM_ASSIGN_OR_RETURN(const auto numbers, list_journals(path));
     for (const uint64_t number : numbers) {
@@ -76,17 +70,6 @@ struct StoreReader::State {
       journals.push_back(std::move(journal));
     }
     return {};
-  }
-
-  void add_parts(uint32_t segment) {
-    const SegmentInfo& info = manifest.segments[segment];
-    for (const SegmentEntity& entity : info.entities) {
-      StoredEntity& of_entity = stored[entity.id];
-      of_entity.entries.emplace_back(segment, &entity);
-      if (entity.snapshots > 0)
-        of_entity.parts.push_back({segment, info.kind == SegmentKind::kLatent, entity.first,
-                                   entity.last, entity.snapshots, entity.rows});
-    }
   }
 
   /// The entity's frames in the order of time. Of frames with equal times the last one counts.
@@ -138,16 +121,8 @@ struct StoreReader::State {
     return data_loss("store '{}': segment '{}' is missing", path.string(), file);
   }
 
-  /// What the manifest says of an entity, in the order of segments.
-  [[nodiscard]] const std::vector<std::pair<uint32_t, const SegmentEntity*>>& entries_of(
-      const MemoryId& entity) const {
-    static const std::vector<std::pair<uint32_t, const SegmentEntity*>> kNone;
-    const auto known = stored.find(entity);
-    return known == stored.end() ? kNone : known->second.entries;
-  }
-
-  [[nodiscard]] bool has(const MemoryId& entity) const {
-    return stored.contains(entity) || journal_entries.contains(entity);
+  [[nodiscard]] bool has(const MemoryId& entity) {
+    return journal_entries.contains(entity) || !stored.of(entity).empty();
   }
 
   Status no_such_entity(const MemoryId& entity, const std::vector<MemoryId>& known) const {
@@ -163,10 +138,12 @@ struct StoreReader::State {
   /// The timeline of the entity's recorded form, its latents, or both.
   Timeline make_timeline(const MemoryId& entity, bool is_recorded, bool is_latent) {
     std::vector<TimelinePart> some;
-    if (const auto known = stored.find(entity); known != stored.end())
-      std::ranges::copy_if(
-          known->second.parts, std::back_inserter(some),
-          [&](const TimelinePart& part) { return part.is_latent ? is_latent : is_recorded; });
+    for (const auto& [segment, part] : stored.of(entity)) {
+      const bool is_of_latents = manifest.segments[segment].kind == SegmentKind::kLatent;
+      if (part->snapshots > 0 && (is_of_latents ? is_latent : is_recorded))
+        some.push_back(
+            {segment, is_of_latents, part->first, part->last, part->snapshots, part->rows});
+    }
     return {entity, std::move(some),
             is_recorded ? journal_snapshots(entity) : std::vector<SnapshotEntry>(),
             [this](uint32_t number) { return segment(number); }};
@@ -210,11 +187,22 @@ uint64_t StoreReader::damaged_places() const {
 
 std::vector<MemoryId> StoreReader::entities() const {
   std::vector<MemoryId> ids;
-  for (const auto& [id, known] : state_->stored) ids.push_back(id);
+  const auto& stored = state_->stored.all();
+  for (const auto& [id, known] : stored) ids.push_back(id);
   for (const auto& [id, frames] : state_->journal_entries)
-    if (!state_->stored.contains(id)) ids.push_back(id);
+    if (!stored.contains(id)) ids.push_back(id);
   std::ranges::sort(ids);
   return ids;
+}
+
+std::map<MemoryId, std::optional<Time>> StoreReader::journal_times() const {
+  std::map<MemoryId, std::optional<Time>> last;
+  for (const auto& [entity, frames] : state_->journal_entries) {
+    std::optional<Time>& of_entity = last[entity];
+    for (const JournalEntry& frame : frames)
+      of_entity = std::max(of_entity.value_or(frame.head.time), frame.head.time);
+  }
+  return last;
 }
 
 bool StoreReader::has(const MemoryId& entity) const {
@@ -230,7 +218,7 @@ Result<EntitySummary> StoreReader::summary(const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(summary.latent_snapshots, state_->count(entity, true));
   summary.first = moments->first().value_or(Time{});
   summary.last = moments->last().value_or(Time{});
-  for (const auto& [segment, part] : state_->entries_of(entity)) {
+  for (const auto& [segment, part] : state_->stored.of(entity)) {
     const bool is_latent = state_->manifest.segments[segment].kind == SegmentKind::kLatent;
     (is_latent ? summary.latent_bytes : summary.stored_bytes) += part->stored_bytes;
     summary.raw_bytes += part->raw_bytes;
@@ -324,7 +312,7 @@ Result<StoredForms> StoreReader::forms(const MemoryId& entity, uint32_t segment)
 Result<StoredForms> StoreReader::newest_forms(const MemoryId& entity) {
   StoredForms all;
   int looked_at = 0;
-  const auto& entries = state_->entries_of(entity);
+  const EntityIndex::Entries& entries = state_->stored.of(entity);
   for (auto entry = entries.rbegin(); entry != entries.rend() && looked_at < kSegmentsForForms;
        ++entry) {
     const auto& [segment, part] = *entry;

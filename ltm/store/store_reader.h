@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -55,8 +56,11 @@ class StoreReader {
   /// All entities, in the order of their names.
   [[nodiscard]] std::vector<MemoryId> entities() const;
 
-  /// Complexity: O(log n).
+  /// Does not depend on how many others there are.
   [[nodiscard]] bool has(const MemoryId& entity) const;
+
+  /// The time of the last snapshot in unsealed journals, of each entity that has one there.
+  [[nodiscard]] std::map<MemoryId, std::optional<Time>> journal_times() const;
 
   /// Errors: kNotFound naming the entity and the existing ones.
   Result<EntitySummary> summary(const MemoryId& entity);

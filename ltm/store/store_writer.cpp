@@ -8,6 +8,7 @@
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
+#include "ltm/store/entity_index.h"
 #include "ltm/store/frame.h"
 #include "ltm/store/journal.h"
 #include "ltm/store/journal_syncer.h"
@@ -85,7 +86,10 @@ struct StoreWriter::State {
   uint64_t unsealed_bytes = 0;  ///< Size of the unsealed journals.
   /// Time by the clock at which the oldest unsealed snapshot was appended.
   std::optional<Time> oldest_unsealed;
-  std::map<MemoryId, Time> last_times;
+  /// What the segments have of entities when the store is opened, asked for one at a time.
+  mutable EntityIndex sealed;
+  /// Of entities that were asked for, appended, or in journals. Empty: no snapshot yet.
+  mutable std::map<MemoryId, std::optional<Time>> last_times;
   SegmentTypes types;
   std::map<MemoryId, DropReasons> dropped_by;  ///< Drop reasons since the last job of the sealer.
   uint64_t damaged = 0;
@@ -98,17 +102,21 @@ struct StoreWriter::State {
         clock(std::move(now)),
         lock(std::move(writer_lock)) {}
 
+  std::optional<Time>& last_time(const MemoryId& entity) const {
+    const auto [known, is_new] = last_times.try_emplace(entity);
+    if (is_new) known->second = last_time_in(sealed.of(entity));
+    return known->second;
+  }
+
   void note_time(const MemoryId& entity, Time time) {
-    const auto [known, is_new] = last_times.emplace(entity, time);
-    if (!is_new) known->second = std::max(known->second, time);
+    std::optional<Time>& last = last_time(entity);
+    last = std::max(last.value_or(time), time);
   }
 
   Status take_over() {
     ENGRAM_RETURN_IF_ERROR(remove_leftovers(path));
     ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(path));
-    for (const SegmentInfo& segment : manifest.segments)
-      for (const SegmentEntity& entity : segment.entities)
-        if (entity.snapshots > 0) note_time(entity.id, entity.last);
+    sealed = EntityIndex(manifest.segments);
     types = manifest.types;
     next_journal = manifest.first_journal;
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(path));
@@ -347,8 +355,7 @@ Status StoreWriter::sync() {
 }
 
 std::optional<Time> StoreWriter::last_time(const MemoryId& entity) const {
-  const auto known = state_->last_times.find(entity);
-  return known == state_->last_times.end() ? std::nullopt : std::optional(known->second);
+  return state_->last_time(entity);
 }
 
 uint64_t StoreWriter::lost_frames() const {

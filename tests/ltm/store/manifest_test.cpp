@@ -81,10 +81,10 @@ TEST_F(ManifestTest, GivesBackWhatWasWritten) {
 
 TEST_F(ManifestTest, RefusesANewerFormat) {
   Json json = read_json();
-  json["format_version"] = 3;
+  json["format_version"] = 4;
   json.erase("segments");
   write_text(json.dump());
-  EXPECT_FAILS(read_manifest(store_), StatusCode::kFailedPrecondition, "reads up to 2");
+  EXPECT_FAILS(read_manifest(store_), StatusCode::kFailedPrecondition, "reads up to 3");
 }
 
 TEST_F(ManifestTest, TellsItsGenerationAlone) {

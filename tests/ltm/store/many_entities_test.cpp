@@ -7,6 +7,8 @@
 #include "ltm/core/file.h"
 #include "ltm/h5/h5.h"
 #include "ltm/idf/binary.h"
+#include "ltm/store/checksum.h"
+#include "ltm/store/entity_index.h"
 #include "ltm/store/packed_entities.h"
 #include "ltm/store/recover.h"
 #include "ltm/store/rewrite.h"
@@ -283,7 +285,7 @@ class ManyInAStore : public ::testing::Test {
 
 TEST_F(ManyInAStore, ReadAsTheyWereWritten) {
   expect_all_in(store_);
-  EXPECT_EQ(manifest()["format_version"], 2);
+  EXPECT_EQ(manifest()["format_version"], 3);
   EXPECT_LT(std::filesystem::file_size(store_ / "MANIFEST.json"), 100U * kCount);
   const auto reader = *StoreReader::open(store_);
   const auto summary = reader->summary(thing(77));
@@ -360,6 +362,155 @@ TEST_F(ManyInAStore, WhoseNamesAreDamagedInPartsLoseThoseAlone) {
   // The second segment has another snapshot of each.
   EXPECT_EQ(read_all_of(scratch_ / "copy", lost), 2U * kCount - 128);
   EXPECT_LE(found, 2U * kCount - 128);
+}
+
+/// A writer of earlier days, or somebody who means harm, may have made blocks that are no blocks,
+/// with a checksum that holds.
+class DamagedBlocks : public ManyInAStore {
+ protected:
+  void change_blocks(const std::function<void(nlohmann::ordered_json&)>& change) {
+    auto json =
+        nlohmann::ordered_json::parse(as_text(read_file(store_ / "MANIFEST.json")->bytes()));
+    change(json["segments"][0]["entity_blocks"]);
+    json["checksum"] = std::string(16, '0');
+    std::string text = json.dump(1) + "\n";
+    const size_t digits = text.size() - 20;
+    text.replace(digits, 16, fmt::format("{:016x}", checksum(as_bytes(text.substr(0, digits)))));
+    overwrite_file(store_ / "MANIFEST.json", as_bytes(text));
+  }
+};
+
+TEST_F(DamagedBlocks, AreTold) {
+  change_blocks([](auto& blocks) { blocks[1]["packed_entities"] = "bm8gYmxvY2s="; });
+  const auto report = check_store(store_, {});
+  ASSERT_OK(report);
+  EXPECT_TRUE(std::ranges::any_of(report->findings, [](const Finding& finding) {
+    return finding.file == "MANIFEST.json" &&
+           finding.what.find("block 1 of packed entities") != std::string::npos;
+  }));
+  // What cannot be found cannot be forgotten.
+  EXPECT_FAILS(forget_snapshots(store_, {{thing(3), {example_time(0)}}}), StatusCode::kDataLoss,
+               "segments/000001.h5");
+  EXPECT_FAILS(compact(store_, {}), StatusCode::kDataLoss, "block 1 of packed entities");
+}
+
+TEST_F(DamagedBlocks, LoseNothingWhenTheStoreIsRecovered) {
+  change_blocks([](auto& blocks) { blocks[0]["count"] = 511; });
+  const auto report = recover_store(store_, scratch_ / "copy");
+  ASSERT_OK(report);
+  EXPECT_TRUE(report->is_rebuilt);
+  expect_all_in(scratch_ / "copy");
+}
+
+TEST_F(DamagedBlocks, OthersAreFoundAndRecordedTo) {
+  change_blocks([](auto& blocks) { blocks[1]["first"] = blocks[0]["first"]; });
+  EXPECT_FAILS(read_manifest(store_), StatusCode::kDataLoss, "not in the order of IDs");
+  change_blocks([](auto& blocks) { blocks[1]["first"] = "Objects/Things/room 2/other"; });
+  {
+    const auto reader = *StoreReader::open(store_);
+    EXPECT_OK(reader->summary(thing(0)));
+  }
+  // What nobody unpacked is written as it was.
+  const auto before = manifest()["segments"][0]["entity_blocks"];
+  {
+    auto writer = *StoreWriter::open(store_, {});
+    ASSERT_OK(writer->append({pack_snapshot(snapshot_of(0, 9))}, nullptr));
+    ASSERT_OK(writer->seal());
+  }
+  EXPECT_EQ(manifest()["segments"][0]["entity_blocks"], before);
+}
+
+TEST_F(ManyInAStore, WrittenByEarlierProgramsAreReadAndPackedAnew) {
+  // Format 2 had all entities of a segment in one text.
+  auto json = nlohmann::ordered_json::parse(as_text(read_file(store_ / "MANIFEST.json")->bytes()));
+  const Manifest manifest = *read_manifest(store_);
+  for (size_t i = 0; i < manifest.segments.size(); ++i) {
+    auto& segment = json["segments"][i];
+    segment.erase("entity_blocks");
+    segment["packed_entities"] = *pack_entities(std::vector<SegmentEntity>(
+        manifest.segments[i].entities.begin(), manifest.segments[i].entities.end()));
+  }
+  json["format_version"] = 2;
+  json.erase("checksum");
+  json["models"] = nlohmann::ordered_json::array();
+  overwrite_file(store_ / "MANIFEST.json", as_bytes(json.dump(1) + "\n"));
+  expect_all_in(store_);
+  ASSERT_OK(edit_manifest(store_, [](Manifest&) { return Status(); }));
+  EXPECT_EQ(this->manifest()["format_version"], 3);
+  expect_all_in(store_);
+}
+
+TEST(SegmentEntities, ArePackedAndFound) {
+  std::vector<SegmentEntity> listed;
+  for (int64_t i = 0; i < 2000; ++i)
+    listed.push_back({thing(i),
+                      static_cast<uint64_t>(i) + 1,
+                      2,
+                      example_time(i),
+                      example_time(i + 1),
+                      50,
+                      60,
+                      7,
+                      8,
+                      {},
+                      1});
+  std::ranges::sort(listed, {}, &SegmentEntity::id);
+  const SegmentEntities plain = listed;
+  const SegmentEntities packed = *SegmentEntities::from_blocks(*pack_in_blocks(listed));
+  EXPECT_EQ(packed.blocks()->size(), 4U);
+  EXPECT_EQ(packed.size(), 2000U);
+  for (const SegmentEntity& each : plain) {
+    const SegmentEntity* found = packed.find(each.id);
+    ASSERT_NE(found, nullptr);
+    ASSERT_EQ(found->snapshots, each.snapshots);
+  }
+  for (const char* other : {"A/b/c/d", "Objects/Things/room 3/nothing", "Z/b/c/d"})
+    EXPECT_EQ(packed.find(*MemoryId::parse(other)), nullptr);
+  EXPECT_TRUE(std::ranges::equal(packed, plain, {}, &SegmentEntity::id, &SegmentEntity::id));
+  SegmentEntities changed = packed;
+  changed.edit()[5].snapshots = 77'777;
+  EXPECT_EQ(changed.blocks(), nullptr);
+  EXPECT_EQ(changed[5].snapshots, 77'777U);
+  EXPECT_EQ(packed[5].snapshots, plain[5].snapshots);
+}
+
+TEST(EntityIndex, TellsOneAndAll) {
+  std::vector<SegmentInfo> segments(3);
+  for (int64_t i = 0; i < 30; ++i)
+    for (size_t segment = 0; segment < 3; ++segment)
+      if (static_cast<size_t>(i) % 3 >= segment)
+        segments[segment].entities.edit().push_back({thing(i),
+                                                     segment == 2 ? 0U : 4U,
+                                                     4,
+                                                     example_time(0),
+                                                     example_time(i),
+                                                     0,
+                                                     0,
+                                                     0,
+                                                     0,
+                                                     {}});
+  for (SegmentInfo& segment : segments)
+    std::ranges::sort(segment.entities.edit(), {}, &SegmentEntity::id);
+  const auto expect_right = [](EntityIndex& index) {
+    for (int64_t i = 0; i < 30; ++i) {
+      const EntityIndex::Entries& entries = index.of(thing(i));
+      ASSERT_EQ(entries.size(), static_cast<size_t>(i) % 3 + 1);
+      EXPECT_EQ(entries.back().first, static_cast<size_t>(i) % 3);
+      EXPECT_EQ(last_time_in(entries), example_time(i));
+    }
+    EXPECT_TRUE(index.of(thing(99)).empty());
+  };
+  EntityIndex index(segments);
+  EXPECT_GE(index.max_size(), 30U);
+  expect_right(index);
+  EXPECT_EQ(index.all().size(), 30U);
+  EXPECT_EQ(index.max_size(), 30U);
+  expect_right(index);
+  // Asked often enough it reads them all.
+  EntityIndex busy(segments);
+  for (int i = 0; i < 200'000; ++i) EXPECT_TRUE(busy.of(thing(99)).empty());
+  EXPECT_EQ(busy.max_size(), 30U);
+  expect_right(busy);
 }
 
 TEST(PackedEntities, AreUnpackedOrRefused) {

@@ -105,17 +105,17 @@ TEST_F(CheckTest, NamesTheSnapshotThatIsDamaged) {
 }
 
 TEST_F(CheckTest, FindsWhatTheManifestTellsWrong) {
-  ASSERT_OK(edit([](Manifest& m) { m.segments[0].entities[0].snapshots = 39; }));
+  ASSERT_OK(edit([](Manifest& m) { m.segments[0].entities.edit()[0].snapshots = 39; }));
   expect_fault("segments/000001.h5", "the manifest says 39");
   ASSERT_OK(edit([](Manifest& m) {
-    m.segments[0].entities[0].snapshots = 40;
-    m.segments[0].entities[0].last += Duration(1);
+    m.segments[0].entities.edit()[0].snapshots = 40;
+    m.segments[0].entities.edit()[0].last += Duration(1);
   }));
   expect_fault("segments/000001.h5", "the manifest says from");
-  ASSERT_OK(edit([](Manifest& m) { m.segments[0].entities[0].id = example_entity("eye"); }));
+  ASSERT_OK(edit([](Manifest& m) { m.segments[0].entities.edit()[0].id = example_entity("eye"); }));
   EXPECT_EQ(findings(check(), "segments/000001.h5").size(), 3u);
   ASSERT_OK(edit([](Manifest& m) {
-    m.segments[0].entities[0].id = example_entity();
+    m.segments[0].entities.edit()[0].id = example_entity();
     m.segments[0].kind = SegmentKind::kLatent;
   }));
   expect_fault("segments/000001.h5", "another kind");
