@@ -165,15 +165,12 @@ std::unique_ptr<EntityPast> join_pasts(
   return std::make_unique<JoinedEntityPast>(std::move(held), until, std::move(stored));
 }
 
-Result<std::unique_ptr<JoinedPast>> JoinedPast::create(std::string name,
-                                                       const WorkingMemory& memory,
-                                                       std::unique_ptr<StorePast> store,
-                                                       RecordedEntities& recorded) {
+std::unique_ptr<JoinedPast> JoinedPast::create(std::string name, const WorkingMemory& memory,
+                                               std::unique_ptr<StorePast> store,
+                                               RecordedEntities& recorded) {
   if (store)
-    for (const MemoryId& entity : store->store().entities()) {
-      ENGRAM_ASSIGN_OR_RETURN(const Timeline* timeline, store->store().timeline(entity));
-      recorded.add(entity, timeline->last());
-    }
+    recorded.begin_with(EntityIndex(store->store().manifest().segments),
+                        store->store().journal_times());
   return std::unique_ptr<JoinedPast>(
       new JoinedPast(std::move(name), memory, std::move(store), recorded));
 }

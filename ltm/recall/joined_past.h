@@ -24,10 +24,9 @@ class JoinedPast final : public KnownPast {
  public:
   /// `memory` and `recorded` must outlive it; `recorded` is told which entities the store has. With
   /// a null `store` only working memory answers.
-  /// Errors: those of reading the store.
-  static Result<std::unique_ptr<JoinedPast>> create(std::string name, const WorkingMemory& memory,
-                                                    std::unique_ptr<StorePast> store,
-                                                    RecordedEntities& recorded);
+  static std::unique_ptr<JoinedPast> create(std::string name, const WorkingMemory& memory,
+                                            std::unique_ptr<StorePast> store,
+                                            RecordedEntities& recorded);
 
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] std::vector<MemoryId> matching(const Query& query) override;

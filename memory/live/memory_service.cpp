@@ -71,7 +71,7 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
   if (state_->is_closed) return unavailable("server '{}' is stopping", state_->options.name);
   for (const ltm::EntityUpdate& update : commit.updates)
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
-  ENGRAM_RETURN_IF_ERROR(state_->check_room(commit));
+  ENGRAM_RETURN_IF_ERROR(state_->room->admit(commit));
   // Ahead of working memory, from which queries, subscribers, predictions and the store get it.
   ltm::WorkingMemory::Change redaction;
   if (state_->redactor)

@@ -167,35 +167,13 @@ Status MemoryService::State::open_past(ltm::ModelLoader loader) {
         options.store->prefers_latents ? ltm::Prefer::kLatent : ltm::Prefer::kRecorded;
     recalling_options.max_answer_bytes = options.store->max_answer_bytes;
   }
+  room.emplace(options.name, options.max_entities, *memory, *recorded);
   recalling_options.max_horizon = options.max_horizon;
-  ENGRAM_ASSIGN_OR_RETURN(auto joined,
-                          ltm::JoinedPast::create("server '" + options.name + "'", *memory,
-                                                  std::move(stored), *recorded));
+  auto joined = ltm::JoinedPast::create("server '" + options.name + "'", *memory, std::move(stored),
+                                        *recorded);
   past = joined.get();
   const MutexLock lock(recalling);
   recall.emplace(std::move(joined), std::move(accesses));
-  return {};
-}
-
-Status MemoryService::State::check_room(const ltm::Commit& commit) const {
-  const ltm::RecordedEntities& recorded = store ? store->recorded() : nothing_recorded;
-  size_t known = memory->entity_count() + recorded.size();
-  if (known + commit.updates.size() <= options.max_entities) return {};
-  size_t more = 0;
-  bool is_exact = false;
-  for (const ltm::EntityUpdate& update : commit.updates) {
-    if (memory->has(update.entity) || recorded.contains(update.entity)) continue;
-    if (known + ++more > options.max_entities && !is_exact) {
-      for (const MemoryId& entity : memory->matching(ltm::Query()))
-        if (recorded.contains(entity)) --known;
-      is_exact = true;
-    }
-    if (known + more > options.max_entities)
-      return resource_exhausted(
-          "'{}' would be a new entity, and server '{}' has {} already, of at most {} "
-          "(max_entities)",
-          update.entity.to_string(), options.name, known, options.max_entities);
-  }
   return {};
 }
 

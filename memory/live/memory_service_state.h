@@ -14,6 +14,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
+#include "memory/live/entity_room.h"
 #include "memory/live/live_forgetting.h"
 #include "memory/live/long_term.h"
 #include "memory/live/memory_service.h"
@@ -49,6 +50,8 @@ struct MemoryService::State {
   const ltm::JoinedPast* past = nullptr;  ///< The past that `recall` answers from.
   ltm::Recall::Options recalling_options;
   ltm::RecordedEntities nothing_recorded;  ///< Stands in for LongTerm::recorded() without a store.
+
+  std::optional<EntityRoom> room;  ///< Made with the past.
 
   std::atomic<uint64_t> queries{0};
   std::atomic<uint64_t> queries_of_store{0};
@@ -98,10 +101,6 @@ struct MemoryService::State {
   void count_answer(const ltm::Answer& answer);
 
   [[nodiscard]] ltm::KnownElsewhere elsewhere() const;
-
-  /// Whether the entities of a commit are known, or may become so. Those in working memory that the
-  /// store has, too, are only taken out of the sum where that decides.
-  [[nodiscard]] Status check_room(const ltm::Commit& commit) const;
 };
 
 }  // namespace engram::memory

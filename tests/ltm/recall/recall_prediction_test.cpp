@@ -118,8 +118,7 @@ TEST_F(RecallPrediction, PredictsByAModelThatIsPublishedMeanwhile) {
   RecordedEntities recorded;
   auto joined =
       JoinedPast::create("server", *memory, *StorePast::open(store_, loader(), {}), recorded);
-  ASSERT_OK(joined);
-  Recall recall(*std::move(joined));
+  Recall recall(std::move(joined));
   const auto model = [&] {
     const auto answer =
         recall.predict(example_entity(), {{}, {std::chrono::milliseconds(200)}, "counting"}, {});

@@ -35,8 +35,7 @@ class LongTermTest : public ::testing::Test {
     ASSERT_OK(stored);
     reading = stored->get();
     auto joined = ltm::JoinedPast::create("test", *memory, *std::move(stored), store->recorded());
-    ASSERT_OK(joined);
-    recall.emplace(*std::move(joined),
+    recall.emplace(std::move(joined),
                    std::make_unique<ltm::AccessLog>(options.store, ltm::AccessLog::Options{}));
   }
 
