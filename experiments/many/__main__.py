@@ -15,8 +15,10 @@ from __future__ import annotations
 
 import argparse
 import json
+import resource
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -66,6 +68,16 @@ class Bars:
             sys.exit(f"engram {words[0]} failed: {done.stderr[-500:]}")
         return time.monotonic() - begun, int(taken.read_text()) * 1024 / MB
 
+    def processor_ms(self, words: list[str]) -> float:
+        """Of a command that succeeds, with its threads: the median of nine runs."""
+        taken = []
+        for _ in range(9):
+            before = resource.getrusage(resource.RUSAGE_CHILDREN)
+            subprocess.run([self.program, *words], check=True, stdout=subprocess.DEVNULL)
+            after = resource.getrusage(resource.RUSAGE_CHILDREN)
+            taken.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+        return statistics.median(taken) * 1e3
+
     def serve(self, store: Path, *options: str) -> tuple[subprocess.Popen[bytes], str]:
         socket = self.folder / "socket"
         socket.unlink(missing_ok=True)
@@ -108,8 +120,17 @@ class Bars:
         seconds, ram = self.run("check", store)
         self.told("check", seconds, 10, "s")
         self.told("RAM of check", ram, None, "MB")
-        query = "Objects/Things/kitchen7/thing0000007 @ latest"
-        self.told("query of one of them", self.run("query", store, query)[0], None, "s")
+        few = self.folder / "few.engram"
+        self.run("commit", "--db", few, "--lines", self.things(count // 100))
+        one = "Objects/Things/kitchen7/thing0000007"
+        asks = {"query": ("query", "{}", f"{one} @ latest"),
+                "commit": ("commit", "--db", "{}", one, "--data", '{"height": 0.5}')}
+        for what, words in asks.items():
+            # What one thing takes must not depend on those that nobody asks for.
+            of_few, of_all = (self.processor_ms([w.replace("{}", str(of)) for w in words])
+                              for of in (few, store))
+            self.told(f"{what} of one of them", of_all, None, "ms of a processor")
+            self.told(f"  beside {what} of one of {count // 100:,}", of_all / of_few, 1.25, "times")
 
     def history(self, count: int) -> None:
         store = self.folder / "history.engram"
