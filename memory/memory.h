@@ -134,8 +134,9 @@ class Memory {
 
   /// The same in parts of about a quarter of a megabyte, so that neither this program nor a server
   /// has to hold all of a large answer. Entities come in order; one with much comes in several
-  /// parts, one after the other. `visit` is called by this thread, and must not ask this memory.
-  /// Its error ends the answer and is returned. The servers of a name system answer in one part.
+  /// parts, one after the other. The servers of a name system come one after the other, too, each
+  /// with its memories. `visit` is called by this thread, and must not ask this memory. Its error
+  /// ends the answer and is returned.
   /// Errors: those of query() and of `visit`. Parts may have been visited before an error.
   using PartVisit = std::function<Status(ltm::QueryResult part)>;
   virtual Status query_parts(const ltm::Query& query, const PartVisit& visit,

@@ -80,16 +80,21 @@ class Bars:
 
     def serve(self, store: Path, *options: str) -> tuple[subprocess.Popen[bytes], str]:
         socket = self.folder / "socket"
+        server = self.started(socket, store, "--listen", f"unix:{socket}", "--no-system-state",
+                              *options)
+        return server, f"unix:{socket}"
+
+    def started(self, socket: Path, *words: object) -> subprocess.Popen[bytes]:
+        """'engram serve' with these words, once it listens."""
         socket.unlink(missing_ok=True)
         with open(self.folder / "server.log", "w") as log:
-            server = subprocess.Popen(
-                [self.program, "serve", store, "--listen", f"unix:{socket}", "--no-system-state",
-                 *options], stdout=subprocess.DEVNULL, stderr=log)
+            server = subprocess.Popen([self.program, "serve", *map(str, words)],
+                                      stdout=subprocess.DEVNULL, stderr=log)
         while not socket.exists():
             if server.poll() is not None:
                 sys.exit((self.folder / "server.log").read_text())
             time.sleep(0.05)
-        return server, f"unix:{socket}"
+        return server
 
     @staticmethod
     def end(server: subprocess.Popen[bytes]) -> float:
@@ -150,6 +155,7 @@ class Bars:
             self.told(f"{count:,} snapshots, {name}: client", ram, 100, "MB")
             self.told("  beside one at rest", ram - rest, 100, "MB")
             self.told(f"  its {answer.stat().st_size / MB:.0f} MB", seconds, None, "s")
+        self.history_by_names(store, count, rest)
         server, at = self.serve(store)
         self.run("query", "--server", at, "Robot @ latest")
         before = resident(server.pid)
@@ -160,6 +166,21 @@ class Bars:
         time.sleep(1)
         self.told("  server, afterwards", resident(server.pid) - before, 100, "MB")
         self.told("  its time", seconds, None, "s")
+        self.end(server)
+
+    def history_by_names(self, store: Path, count: int, rest: float) -> None:
+        """The same of a server that a name system knows."""
+        names, socket = (self.folder / one for one in ("names", "socket"))
+        config = self.folder / "robot.yaml"
+        config.write_text(json.dumps({
+            "names": {"listen": f"unix:{names}"},
+            "servers": [{"name": "body", "memories": ["Robot"], "listen": [f"unix:{socket}"],
+                         "store": str(store)}]}))
+        server = self.started(socket, "--config", config)
+        answer = self.folder / "answer"
+        ram = self.run("query", "--names", f"unix:{names}", "Robot @ all", "--json", out=answer)[1]
+        self.told(f"{count:,} snapshots, query by names: client", ram, 100, "MB")
+        self.told("  beside one at rest", ram - rest, 100, "MB")
         self.end(server)
 
     def memory(self, count: int) -> None:

@@ -40,10 +40,7 @@ class ConnectedMemory final : public Memory {
                      const std::string& engine) override {
     const auto client = this->client();
     if (!client) return is_closed();
-    if constexpr (requires { client->query_parts(query, visit, engine); })
-      return client->query_parts(query, visit, engine);
-    else
-      return Memory::query_parts(query, visit, engine);
+    return client->query_parts(query, visit, engine);
   }
 
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,

@@ -2,6 +2,7 @@
 #include "server/client/robot_memory.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -41,6 +42,10 @@ struct CommitPart {
 
 /// Keyed by the server's name; the empty name holds updates of memories that no server has.
 using CommitParts = std::map<std::string, CommitPart>;
+
+/// Asks servers and returns an answer of each. An error ends the whole query.
+using AskServers = std::function<Result<std::vector<Result<ltm::QueryResult>>>(
+    std::span<const Registration* const>)>;
 
 /// A query to several servers, with the answers received so far.
 struct Asking {
@@ -212,34 +217,70 @@ struct RobotMemory::State {
     asking.servers = std::move(found);
   }
 
-  Result<ltm::QueryResult> ask(const Registration& server, const ltm::Query& query,
-                               const std::string& engine) {
+  /// `work` asks one server.
+  template <typename Work>
+  Result<ltm::QueryResult> ask(const Registration& server, const Work& work) {
     ENGRAM_ASSIGN_OR_RETURN(const auto client, servers->client(server));
-    auto answer = client->query(query, engine);
+    Result<ltm::QueryResult> answer = work(*client);
     if (is_lost(answer.status())) servers->drop(server.server, client.get());
     return answer;
   }
 
-  void ask_open(const ltm::Query& query, const std::string& engine, Asking& asking) {
+  [[nodiscard]] static Status ask_open(const AskServers& ask, Asking& asking) {
     std::vector<const Registration*> open;
     for (const auto& [name, server] : asking.servers)
       if (asking.is_open(name)) open.push_back(&server);
-    std::vector<Result<ltm::QueryResult>> answers(open.size(), cancelled("not asked"));
-    at_once(open.size(), [&](size_t i) { answers[i] = ask(*open[i], query, engine); });
+    ENGRAM_ASSIGN_OR_RETURN(auto answers, ask(open));
     for (size_t i = 0; i < open.size(); ++i)
       asking.answers.insert_or_assign(open[i]->server, std::move(answers[i]));
+    return {};
+  }
+
+  /// Asks all of them at once for whole answers.
+  AskServers asks_whole(const ltm::Query& query, const std::string& engine) {
+    return [this, &query, &engine](std::span<const Registration* const> open) {
+      std::vector<Result<ltm::QueryResult>> answers(open.size(), cancelled("not asked"));
+      at_once(open.size(), [&](size_t i) {
+        answers[i] =
+            ask(*open[i], [&](MemoryClient& client) { return client.query(query, engine); });
+      });
+      return answers;
+    };
+  }
+
+  /// Asks one after the other, visits the parts of their answers, and returns empty ones. After the
+  /// first part an error ends the query, because a server that is asked again would begin anew.
+  AskServers asks_in_parts(const ltm::Query& query, const std::string& engine,
+                           const Memory::PartVisit& visit) {
+    return [this, &query, &engine, &visit](std::span<const Registration* const> open)
+               -> Result<std::vector<Result<ltm::QueryResult>>> {
+      std::vector<Result<ltm::QueryResult>> answers;
+      for (const Registration* server : open) {
+        bool is_visited = false;
+        const auto noting = [&](ltm::QueryResult part) {
+          is_visited = true;
+          return visit(std::move(part));
+        };
+        answers.push_back(ask(*server, [&](MemoryClient& client) -> Result<ltm::QueryResult> {
+          ENGRAM_RETURN_IF_ERROR(client.query_parts(query, noting, engine));
+          return ltm::QueryResult(query.is_ids_only());
+        }));
+        if (is_visited) ENGRAM_RETURN_IF_ERROR(answers.back().status());
+      }
+      return answers;
+    };
   }
 
   /// Asks until all servers have answered or the time is over. Unless `is_patient`, servers that
   /// cannot be reached are tried only once more.
-  Result<RobotAnswer> query(const ltm::Query& query, const std::string& engine, bool is_patient) {
+  Result<RobotAnswer> query(const ltm::Query& query, const AskServers& ask, bool is_patient) {
     Backoff backoff(deadline());
     ENGRAM_RETURN_IF_ERROR(renew_servers(query, backoff));
     Asking asking;
     for (int round = 0;; ++round) {
       const std::vector<Registration> before = servers->all();
       find_servers(query, asking);
-      ask_open(query, engine, asking);
+      ENGRAM_RETURN_IF_ERROR(ask_open(ask, asking));
       bool is_any_open = !nobody_has(query).empty();
       bool has_answer = false;
       for (const auto& [name, server] : asking.servers) {
@@ -310,13 +351,19 @@ Status RobotMemory::commit(const ltm::Commit& commit, CommitDurability durabilit
 }
 
 Result<ltm::QueryResult> RobotMemory::query(const ltm::Query& query, const std::string& engine) {
-  ENGRAM_ASSIGN_OR_RETURN(RobotAnswer answer, state_->query(query, engine, true));
+  ENGRAM_ASSIGN_OR_RETURN(RobotAnswer answer,
+                          state_->query(query, state_->asks_whole(query, engine), true));
   return std::move(answer.result);
+}
+
+Status RobotMemory::query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
+                                const std::string& engine) {
+  return state_->query(query, state_->asks_in_parts(query, engine, visit), true).status();
 }
 
 Result<RobotAnswer> RobotMemory::query_reachable(const ltm::Query& query,
                                                  const std::string& engine) {
-  return state_->query(query, engine, false);
+  return state_->query(query, state_->asks_whole(query, engine), false);
 }
 
 Status RobotMemory::declare(const ltm::MemoryId& segment, const idf::Type& type) {

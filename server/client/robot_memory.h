@@ -63,6 +63,11 @@ class RobotMemory {
   /// be reached; those of MemoryClient::query.
   Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
 
+  /// The same in parts, see Memory::query_parts: server by server, in the order of their names. A
+  /// server is waited for until its first part was visited; after that an error ends the answer.
+  Status query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
+                     const std::string& engine = {});
+
   /// Like query(), but servers that cannot be reached are listed beside the answer, and the client
   /// looks for them only once more instead of until the timeout.
   /// Errors: those of query(), but kUnavailable only if no server at all could be reached.

@@ -124,6 +124,48 @@ TEST_F(RobotMemoryTest, NamesServersThatCannotBeReached) {
                "B-server");
 }
 
+TEST_F(RobotMemoryTest, AnswersInParts) {
+  for (int64_t at = 1; at <= 3000; ++at)
+    ASSERT_OK(client->commit(SmallRobot::commit({"A/b/c/d", "B/b/c/d", "B/b/c/e"}, at)));
+  size_t parts = 0;
+  ltm::QueryResult united(false);
+  const auto query = *ltm::Query::parse(".* @ all");
+  ASSERT_OK(client->query_parts(query, [&](ltm::QueryResult part) {
+    ++parts;
+    return united.merge(std::move(part));
+  }));
+  EXPECT_GE(parts, 2U) << "each server begins its own";
+  EXPECT_EQ(united.snapshot_count(), 9000U);
+  EXPECT_EQ(united.ids(), (*client->query(query)).ids());
+  EXPECT_EQ(client
+                ->query_parts(*ltm::Query::parse("A/b/c/none @ all"),
+                              [](const auto&) { return Status(); })
+                .code(),
+            StatusCode::kNotFound);
+}
+
+TEST_F(RobotMemoryTest, EndsAnswersInPartsWithTheFirstError) {
+  ASSERT_OK(client->commit(SmallRobot::commit({"A/b/c/d", "B/b/c/d"}, 1)));
+  size_t parts = 0;
+  const Status stopped = client->query_parts(*ltm::Query::parse(".* @ all"), [&](const auto&) {
+    ++parts;
+    return unavailable("the disk is full");
+  });
+  EXPECT_EQ(stopped.code(), StatusCode::kUnavailable);
+  EXPECT_THAT(stopped.message(), HasSubstr("the disk is full"));
+  EXPECT_EQ(parts, 1U) << "nothing is visited twice";
+  // A server that is lost before its first part is waited for, and named.
+  robot.options.timeout = milliseconds(600);
+  client = robot.client();
+  robot.stop("B");
+  const auto names = robot.names.client();
+  const Registrar lie(*names, {"B-server", {"B"}, {robot.endpoint("B")}, UINT64_MAX});
+  ASSERT_FALSE(client->wait_for_memory("B", milliseconds(300)).ok());
+  EXPECT_FAILS(
+      client->query_parts(*ltm::Query::parse(".* @ all"), [](const auto&) { return Status(); }),
+      StatusCode::kUnavailable, "B-server");
+}
+
 TEST_F(RobotMemoryTest, IsNotFooledByAnotherServerAtThatEndpoint) {
   robot.options.timeout = milliseconds(600);
   client = robot.client();
