@@ -35,6 +35,7 @@ struct SegmentReader::State {
   /// The entity that was asked for last, and where its rows lie.
   MemoryId last_entity;
   EntityPlace last_place;
+  SegmentColumn* last_times = nullptr;              ///< Their times, which a search reads often.
   std::map<std::string, uint64_t> bytes_of_shared;  ///< Keyed by shared group.
   /// Whether any row is augmented, by the path of the metadata.
   std::map<std::string, bool> augmented;
@@ -59,6 +60,7 @@ struct SegmentReader::State {
       return source.broken(
           found->group + "/timestamp",
           fmt::format("tells of {} rows in a file of {} bytes", found->rows, bytes));
+    ENGRAM_ASSIGN_OR_RETURN(last_times, source.column(found->group + "/timestamp"));
     last_entity = entity;
     last_place = *std::move(found);
     return &last_place;
@@ -68,14 +70,14 @@ struct SegmentReader::State {
   Result<Time> row_time(const std::string& path, uint64_t row, Time otherwise) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * found, source.column_if_there(path));
     if (found == nullptr) return otherwise;
-    ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, source.row_number<int64_t>(path, row));
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, source.row_number<int64_t>(*found, row));
     return time_from_ns(ns);
   }
 
   /// A figure of the accounting. A missing column means zero in all rows.
   Result<uint64_t> accounting(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * found, source.column_if_there(path));
-    return found == nullptr ? Result<uint64_t>(0) : source.row_number<uint64_t>(path, row);
+    return found == nullptr ? Result<uint64_t>(0) : source.row_number<uint64_t>(*found, row);
   }
 
   Result<InstanceMetadata> metadata(const std::string& group, uint64_t row, Time time) {
@@ -128,7 +130,7 @@ struct SegmentReader::State {
     ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, place_of(entity));
     if (row >= place->rows)
       return data_loss("'{}' has {} rows, needs row {}", place->group, place->rows, row);
-    return source.number<int64_t>(place->group + "/timestamp", place->first + row);
+    return source.located(last_times->number<int64_t>(place->first + row));
   }
 
   /// The times of all rows of an entity, as bytes.

@@ -4,10 +4,10 @@
 // Private to this room: parts of the segment reader.
 
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "ltm/core/buffer.h"
@@ -54,7 +54,11 @@ class SegmentSource {
   template <typename T>
   Result<T> row_number(const std::string& path, uint64_t row) {
     ENGRAM_ASSIGN_OR_RETURN(SegmentColumn * values, column(path));
-    return located(values->number<T>(values->rows() == 1 ? 0 : row));
+    return row_number<T>(*values, row);
+  }
+  template <typename T>
+  Result<T> row_number(SegmentColumn& values, uint64_t row) {
+    return located(values.number<T>(values.rows() == 1 ? 0 : row));
   }
 
   Result<const std::vector<std::string>*> strings(const std::string& path);
@@ -67,8 +71,8 @@ class SegmentSource {
   h5::File file_;
   File raw_;  ///< The same file, for blobs at their offsets.
   /// nullopt: the dataset does not exist.
-  std::map<std::string, std::optional<SegmentColumn>> columns_;
-  std::map<std::string, std::vector<std::string>> string_lists_;
+  std::unordered_map<std::string, std::optional<SegmentColumn>> columns_;
+  std::unordered_map<std::string, std::vector<std::string>> string_lists_;
 };
 
 }  // namespace engram::ltm
