@@ -163,7 +163,7 @@ TEST_F(Errors, StoreOfANewerFormatIsRefused) {
                               {"eval", path("store")}}) {
     const RunResult result = run_engram(command);
     EXPECT_EQ(result.exit_code, kFailed) << command[0];
-    EXPECT_THAT(result.err, AllOf(HasSubstr("999"), HasSubstr("up to 2"))) << command[0];
+    EXPECT_THAT(result.err, AllOf(HasSubstr("999"), HasSubstr("up to 3"))) << command[0];
   }
 }
 
