@@ -66,16 +66,48 @@ void to_deep_ycc(const uint8_t* rgb, int64_t width, uint16_t* luma, uint16_t* bl
 }
 
 /// In integers of 1 / 2^20, which hold 255 / 1023 exactly enough. The sums of numbers of ten bits
-/// fit 31 bits, and a damaged stream must not give larger ones.
+/// fit 31 bits, and a damaged stream must not give larger ones. A scattered read converts all
+/// pictures up to its own, so each colour of some pixels is computed in a loop of its own, which
+/// compilers turn into vectors.
+[[gnu::always_inline]] inline void from_deep_ycc_in_blocks(const uint16_t* luma,
+                                                           const uint16_t* blue,
+                                                           const uint16_t* red, int64_t width,
+                                                           uint8_t* rgb) {
+  constexpr int64_t kBlock = 128;
+  uint8_t reds[kBlock], greens[kBlock], blues[kBlock];
+  for (int64_t from = 0; from < width; from += kBlock) {
+    const int64_t count = std::min(kBlock, width - from);
+    for (int64_t x = 0; x < count; ++x) {
+      const int y = kFromDeep * (luma[from + x] & kDeepMax) + kDeepHalf;
+      const int b = (blue[from + x] & kDeepMax) - 512, r = (red[from + x] & kDeepMax) - 512;
+      reds[x] = clamp((y + 366450 * r) >> 20);
+      greens[x] = clamp((y - 89949 * b - 186658 * r) >> 20);
+      blues[x] = clamp((y + 463159 * b) >> 20);
+    }
+    uint8_t* out = rgb + 3 * from;
+    for (int64_t x = 0; x < count; ++x) {
+      out[3 * x] = reds[x];
+      out[3 * x + 1] = greens[x];
+      out[3 * x + 2] = blues[x];
+    }
+  }
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void from_deep_ycc_wide(const uint16_t* luma, const uint16_t* blue,
+                                                        const uint16_t* red, int64_t width,
+                                                        uint8_t* rgb) {
+  from_deep_ycc_in_blocks(luma, blue, red, width, rgb);
+}
+#endif
+
 void from_deep_ycc(const uint16_t* luma, const uint16_t* blue, const uint16_t* red, int64_t width,
                    uint8_t* rgb) {
-  for (int64_t x = 0; x < width; ++x) {
-    const int y = kFromDeep * (luma[x] & kDeepMax) + kDeepHalf;
-    const int b = (blue[x] & kDeepMax) - 512, r = (red[x] & kDeepMax) - 512;
-    rgb[3 * x] = clamp((y + 366450 * r) >> 20);
-    rgb[3 * x + 1] = clamp((y - 89949 * b - 186658 * r) >> 20);
-    rgb[3 * x + 2] = clamp((y + 463159 * b) >> 20);
-  }
+#if defined(__x86_64__)
+  static const bool is_wide = __builtin_cpu_supports("avx2");
+  if (is_wide) return from_deep_ycc_wide(luma, blue, red, width, rgb);
+#endif
+  from_deep_ycc_in_blocks(luma, blue, red, width, rgb);
 }
 
 void to_deep_gray(const uint8_t* gray, int64_t width, uint16_t* out) {
