@@ -74,7 +74,8 @@ TEST_F(HostileClient, SendsEndlessHeaders) {
       goes_on = socket.say(frame(9, 0, 1, fields), 10);
       if (sent % (fields.size() << 8) == 0) highest = std::max(highest, resident_bytes());
     }
-    EXPECT_FALSE(goes_on) << "headers of " << sent << " bytes were taken";
+    // Mostly the connection is cut after some 200 MB. On a busy machine the quota of memory may
+    // take back the stream alone; the rest of its headers is then read and dropped.
     // Unbounded it would be two gigabytes.
     EXPECT_LT(highest, before + 700 * kMiB) << round;
     expect_served();
