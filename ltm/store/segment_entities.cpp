@@ -28,7 +28,8 @@ struct SegmentEntities::Packed {
   uint64_t size = 0;
 
   Mutex mutex;
-  /// Nothing of a block that is damaged. Entries stay, because find() returns pointers to them.
+  /// Blocks that were asked for before all were; nothing of one that is damaged. They stay, because
+  /// find() returned pointers to them.
   std::map<size_t, std::vector<SegmentEntity>> unpacked ENGRAM_GUARDED_BY(mutex);
   std::optional<std::vector<SegmentEntity>> all ENGRAM_GUARDED_BY(mutex);
   Status damage ENGRAM_GUARDED_BY(mutex);
@@ -50,26 +51,37 @@ struct SegmentEntities::Packed {
     return entities;
   }
 
-  const std::vector<SegmentEntity>& block(size_t number) ENGRAM_REQUIRES(mutex) {
-    if (const auto known = unpacked.find(number); known != unpacked.end()) return known->second;
+  /// Nothing where it is damaged.
+  std::vector<SegmentEntity> readable(size_t number) ENGRAM_REQUIRES(mutex) {
     auto entities = unpack(number);
-    if (!entities.ok()) {
-      if (damage.ok()) {
-        damage = data_loss("block {} of packed entities, from '{}': {}", number,
-                           blocks[number].first.to_string(), entities.status().message());
-        log::warning("manifest: {}", damage.message());
-      }
-      return unpacked[number];
+    if (entities.ok()) return *std::move(entities);
+    if (damage.ok()) {
+      damage = data_loss("block {} of packed entities, from '{}': {}", number,
+                         blocks[number].first.to_string(), entities.status().message());
+      log::warning("manifest: {}", damage.message());
     }
-    return unpacked.emplace(number, *std::move(entities)).first->second;
+    return {};
+  }
+
+  const SegmentEntity* find(const MemoryId& entity) ENGRAM_REQUIRES(mutex) {
+    if (all) return find_in(*all, entity);
+    const auto above = std::ranges::upper_bound(blocks, entity, {}, &EntityBlock::first);
+    if (above == blocks.begin()) return nullptr;
+    const auto number = static_cast<size_t>(above - blocks.begin()) - 1;
+    auto known = unpacked.find(number);
+    if (known == unpacked.end()) known = unpacked.emplace(number, readable(number)).first;
+    return find_in(known->second, entity);
   }
 
   const std::vector<SegmentEntity>& unpack_all() ENGRAM_REQUIRES(mutex) {
     if (all) return *all;
+    // Room is not made for as many as the blocks claim: that may be any number.
     std::vector<SegmentEntity> entities;
-    entities.reserve(size);
     for (size_t i = 0; i < blocks.size(); ++i)
-      std::ranges::copy(block(i), std::back_inserter(entities));
+      if (const auto known = unpacked.find(i); known != unpacked.end())
+        std::ranges::copy(known->second, std::back_inserter(entities));
+      else
+        std::ranges::move(readable(i), std::back_inserter(entities));
     return all.emplace(std::move(entities));
   }
 };
@@ -80,7 +92,7 @@ Result<SegmentEntities> SegmentEntities::from_blocks(std::vector<EntityBlock> bl
     if (blocks[i].count == 0) return data_loss("block {} of packed entities is empty", i);
     if (i > 0 && !(blocks[i - 1].first < blocks[i].first))
       return data_loss("block {} of packed entities is not in the order of IDs", i);
-    // Sizes of hostile manifests must not overflow, nor be reserved.
+    // The sum of what a hostile manifest claims must not overflow.
     constexpr uint64_t kMaxCount = uint64_t{1} << 32;
     if (blocks[i].count > kMaxCount || packed->size + blocks[i].count > kMaxCount)
       return data_loss("block {} of packed entities claims {} entities", i, blocks[i].count);
@@ -99,11 +111,8 @@ size_t SegmentEntities::size() const {
 
 const SegmentEntity* SegmentEntities::find(const MemoryId& entity) const {
   if (!packed_) return find_in(all(), entity);
-  const auto above = std::ranges::upper_bound(packed_->blocks, entity, {}, &EntityBlock::first);
-  if (above == packed_->blocks.begin()) return nullptr;
-  const auto number = static_cast<size_t>(above - packed_->blocks.begin()) - 1;
   const MutexLock lock(packed_->mutex);
-  return find_in(packed_->block(number), entity);
+  return packed_->find(entity);
 }
 
 const std::vector<SegmentEntity>& SegmentEntities::all() const {

@@ -394,6 +394,19 @@ TEST_F(DamagedBlocks, AreTold) {
   EXPECT_FAILS(compact(store_, {}), StatusCode::kDataLoss, "block 1 of packed entities");
 }
 
+TEST_F(DamagedBlocks, MayClaimAnyNumberOfEntities) {
+  change_blocks([](auto& blocks) { blocks[1]["count"] = uint64_t{1} << 31; });
+  const auto report = check_store(store_, {});
+  ASSERT_OK(report);
+  EXPECT_GT(report->faults(), 0U);
+  const auto reader = *StoreReader::open(store_);
+  EXPECT_OK(reader->summary(thing(0)));
+  EXPECT_EQ(reader->entities().size(), static_cast<size_t>(kCount))
+      << "the second segment is whole";
+  change_blocks([](auto& blocks) { blocks[1]["count"] = UINT64_MAX; });
+  EXPECT_FAILS(read_manifest(store_), StatusCode::kDataLoss, "claims");
+}
+
 TEST_F(DamagedBlocks, LoseNothingWhenTheStoreIsRecovered) {
   change_blocks([](auto& blocks) { blocks[0]["count"] = 511; });
   const auto report = recover_store(store_, scratch_ / "copy");
