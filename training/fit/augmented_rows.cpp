@@ -43,7 +43,7 @@ std::vector<Reach> reaches_of(const TrainingSource& source, size_t left_out_sequ
 }
 
 /// Keeps evenly spaced runs with at most `max` rows.
-std::vector<Reach> thinned(std::vector<Reach> reaches, size_t max) {
+std::vector<Reach> thinned_reaches(std::vector<Reach> reaches, size_t max) {
   size_t total = 0;
   for (const Reach& reach : reaches) total += reach.rows;
   if (total <= max) return reaches;
@@ -163,7 +163,7 @@ uint64_t row_bytes(const encoders::TensorPlan& plan) {
 
 Result<AugmentedRows> read_augmented(const TrainingSource& source, const Dataset& data,
                                      uint64_t memory_bytes, const std::stop_token& stop) {
-  const auto reaches = thinned(reaches_of(source, data.left_out_sequences),
+  const auto reaches = thinned_reaches(reaches_of(source, data.left_out_sequences),
                                memory_bytes / std::max<uint64_t>(row_bytes(data.plan), 1));
   ENGRAM_ASSIGN_OR_RETURN(AugmentedRows rows, Reader(source, data).read(reaches, stop));
   if (!rows.sequences.empty()) find_backgrounds(data, rows);

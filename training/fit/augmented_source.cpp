@@ -9,7 +9,7 @@
 #include "augmentation/augment.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/store_reader.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 namespace engram::training {
 

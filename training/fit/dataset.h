@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "encoders/deep_model.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 // Internal to the learning rooms: includes LibTorch.
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 namespace engram::training {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 namespace engram::training {
 

@@ -11,7 +11,7 @@
 #include "ltm/store/store_reader.h"
 #include "training/fit/condition_source.h"
 #include "training/fit/matching.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 #include "training/measure/access_time.h"
 #include "training/measure/code_length.h"
 #include "training/measure/quality_sums.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 #include "training/measure/quality_sums.h"
 #include "training/quality/quality_metrics.h"
 

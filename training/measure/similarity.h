@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ltm/idf/data.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 #include "training/measure/crossval_report.h"
 
 // Private to this room.

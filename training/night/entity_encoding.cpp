@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "ltm/idf/binary.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 #include "training/night/stored_videos.h"
 
 namespace engram::training {

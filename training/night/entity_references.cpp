@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "encoders/deep_model_file.h"
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 #include "training/forms/entity_videos.h"
 #include "training/forms/reference_choice.h"
 #include "training/forms/video_effort.h"

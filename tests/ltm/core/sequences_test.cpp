@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 #include <gtest/gtest.h>
 
-namespace engram::training {
+namespace engram {
 namespace {
 
-std::vector<Time> at_ms(std::initializer_list<int> milliseconds) {
+std::vector<Time> at_ms(std::initializer_list<int> steps_ms) {
   std::vector<Time> times;
-  for (const int ms : milliseconds) times.push_back(time_from_ns(int64_t{ms} * 1'000'000));
+  for (const int ms : steps_ms) times.push_back(time_from_ns(int64_t{ms} * 1'000'000));
   return times;
 }
 
@@ -90,4 +90,4 @@ TEST(Sequences, KnowTheMedianStep) {
 }
 
 }  // namespace
-}  // namespace engram::training
+}  // namespace engram

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "training/fit/sequences.h"
+#include "ltm/core/sequences.h"
 
 #include <algorithm>
 
-namespace engram::training {
+namespace engram {
 
 namespace {
 
@@ -65,4 +65,4 @@ std::vector<std::vector<size_t>> interleaved(std::span<const Time> times, const 
   return runs;
 }
 
-}  // namespace engram::training
+}  // namespace engram

@@ -7,7 +7,7 @@
 
 #include "ltm/core/time.h"
 
-namespace engram::training {
+namespace engram {
 
 /// Consecutive snapshots of one recording: indices [first, end).
 struct Sequence {
@@ -43,4 +43,4 @@ struct Sequence {
                                                            const Sequence& recording,
                                                            Duration every);
 
-}  // namespace engram::training
+}  // namespace engram
