@@ -10,6 +10,7 @@
 #include "ltm/core/file.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/orphans.h"
+#include "ltm/store/segment_index.h"
 #include "ltm/store/store_writer.h"
 
 namespace engram::ltm {
@@ -171,8 +172,12 @@ Result<std::vector<std::string>> remove_side_files(const std::filesystem::path& 
     return {};
   }));
   for (const std::string& file : files) ENGRAM_RETURN_IF_ERROR(remove_file(store / file));
-  // Those that a killed job had not finished, too.
-  for (const auto& [id, entity] : erased) ENGRAM_RETURN_IF_ERROR(remove_checkpoints(store, id));
+  for (const auto& [id, entity] : erased) {
+    // Those that a killed job had not finished, too.
+    ENGRAM_RETURN_IF_ERROR(remove_checkpoints(store, id));
+    ENGRAM_ASSIGN_OR_RETURN(auto indexes, remove_entity_indexes(store, id));
+    std::ranges::move(indexes, std::back_inserter(files));
+  }
   return files;
 }
 

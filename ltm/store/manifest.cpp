@@ -319,6 +319,17 @@ std::string random_store_id() {
   return fmt::format("{:08x}{:08x}", device(), device());
 }
 
+/// Waits for the lock of a manifest, which is released with the file.
+Result<File> lock_manifest(const std::filesystem::path& store) {
+  // Read before locking, because taking the lock creates a file, even in a directory that is not a
+  // store.
+  if (const auto manifest = read_manifest(store); !manifest.ok()) return manifest.status();
+  ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kManifestLock, File::Mode::kAppend));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(true));
+  ENGRAM_CHECK(is_locked, "a waiting lock returned without one");
+  return lock;
+}
+
 }  // namespace
 
 int Manifest::format_version() const {
@@ -388,17 +399,19 @@ Result<uint64_t> read_generation(const std::filesystem::path& store) {
 
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change) {
-  // Read before locking, because taking the lock creates a file, even in a directory that is not a
-  // store.
-  if (const auto manifest = read_manifest(store); !manifest.ok()) return manifest.status();
-  ENGRAM_ASSIGN_OR_RETURN(File lock, File::open(store / kManifestLock, File::Mode::kAppend));
-  ENGRAM_ASSIGN_OR_RETURN(const bool is_locked, lock.lock(true));
-  ENGRAM_CHECK(is_locked, "a waiting lock returned without one");
+  ENGRAM_ASSIGN_OR_RETURN(const File lock, lock_manifest(store));
   ENGRAM_ASSIGN_OR_RETURN(Manifest manifest, read_manifest(store));
   ENGRAM_RETURN_IF_ERROR(change(manifest));
   for (SegmentInfo& segment : manifest.segments) sort_entities(segment);
   ++manifest.generation;
   return write_manifest(store, manifest);
+}
+
+Status under_manifest_lock(const std::filesystem::path& store,
+                           const std::function<Status(const Manifest&)>& act) {
+  ENGRAM_ASSIGN_OR_RETURN(const File lock, lock_manifest(store));
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));
+  return act(manifest);
 }
 
 bool is_store_absent(const std::filesystem::path& store) {

@@ -103,6 +103,12 @@ Result<uint64_t> read_generation(const std::filesystem::path& store);
 Status edit_manifest(const std::filesystem::path& store,
                      const std::function<Status(Manifest&)>& change);
 
+/// Calls `act` with the manifest while nobody can edit it, and changes nothing itself.
+/// Errors: those of read_manifest and of `act`; kUnavailable.
+/// Threading: thread-safe, between processes too.
+Status under_manifest_lock(const std::filesystem::path& store,
+                           const std::function<Status(const Manifest&)>& act);
+
 /// True if create_store can create a store here: `store` does not exist, is an empty directory, or
 /// is a directory in which a process was killed while it created a store.
 [[nodiscard]] bool is_store_absent(const std::filesystem::path& store);

@@ -8,6 +8,7 @@
 #include "ltm/store/journal.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/publish.h"
+#include "ltm/store/segment_index.h"
 
 namespace engram::ltm {
 
@@ -46,6 +47,8 @@ Result<std::vector<Finding>> find_orphans(const std::filesystem::path& store) {
     if (!named.contains(file))
       notes.push_back(note(
           file, "is not named by the manifest: left over, or just being published or replaced"));
+  for (std::string& file : find_stray_indexes(store, manifest))
+    notes.push_back(note(std::move(file), "is an index of a segment that is gone"));
   for (const std::string& file : files_in(store, "tmp")) {
     const std::string name = std::filesystem::path(file).filename().string();
     if (is_checkpoint(name))

@@ -9,6 +9,7 @@
 #include "ltm/core/file.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/segment_index.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
 #include "ltm/store/store_reader.h"
@@ -162,7 +163,7 @@ Result<bool> publish_once(const std::filesystem::path& store, uint64_t generatio
   });
   if (has_changed) return false;
   ENGRAM_RETURN_IF_ERROR(status);
-  for (const std::string& old : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / old));
+  ENGRAM_RETURN_IF_ERROR(remove_published(store, obsolete));
   return true;
 }
 

@@ -12,6 +12,7 @@
 #include "ltm/store/rewrite.h"
 #include "ltm/store/salvage.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/segment_index.h"
 #include "ltm/store/store_reader.h"
 #include "ltm/store/store_writer.h"
 
@@ -308,7 +309,7 @@ class Recovery {
     }));
     for (const char* folder : {"segments", "models", "journal"})
       ENGRAM_RETURN_IF_ERROR(sync_directory(target_ / folder));
-    return {};
+    return copy_indexes(source_, target_, new_);
   }
 
   /// Segments are copied first and then rewritten, as when something is forgotten.

@@ -6,6 +6,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/store/publish.h"
+#include "ltm/store/segment_index.h"
 #include "ltm/store/segment_reader.h"
 #include "ltm/store/segment_writer.h"
 
@@ -156,8 +157,7 @@ Status replace_segments(const std::filesystem::path& store, const std::vector<Se
     obsolete = remove_unused_models(manifest, std::move(obsolete));
     return {};
   }));
-  for (const std::string& name : obsolete) ENGRAM_RETURN_IF_ERROR(remove_file(store / name));
-  return {};
+  return remove_published(store, obsolete);
 }
 
 void add_sums(Manifest& manifest, const std::map<MemoryId, ForgottenSums>& gone) {

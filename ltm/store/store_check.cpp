@@ -9,6 +9,7 @@
 #include "ltm/store/orphans.h"
 #include "ltm/store/segment_check.h"
 #include "ltm/store/segment_format.h"
+#include "ltm/store/segment_index.h"
 
 namespace engram::ltm {
 
@@ -51,6 +52,7 @@ class StoreCheck {
     for (const ModelInfo& model : manifest_.models) ENGRAM_RETURN_IF_ERROR(check(model));
     for (const uint64_t number : journals_) ENGRAM_RETURN_IF_ERROR(check_journal(number));
     ENGRAM_RETURN_IF_ERROR(find_missing_journals());
+    std::ranges::move(check_indexes(store_, manifest_), std::back_inserter(report_.findings));
     ENGRAM_RETURN_IF_ERROR(add_orphans());
     std::ranges::move(links_.findings(), std::back_inserter(report_.findings));
     report_.entities = links_.entities().size();

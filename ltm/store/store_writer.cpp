@@ -15,6 +15,7 @@
 #include "ltm/store/manifest.h"
 #include "ltm/store/publish.h"
 #include "ltm/store/sealer.h"
+#include "ltm/store/segment_index.h"
 
 namespace engram::ltm {
 
@@ -63,6 +64,8 @@ Status remove_leftovers(const std::filesystem::path& store) {
       for (const auto& entry : std::filesystem::directory_iterator(store / folder))
         if (!named.contains(folder + ("/" + entry.path().filename().string())))
           ENGRAM_RETURN_IF_ERROR(remove_file(entry.path()));
+    for (const std::string& file : find_stray_indexes(store, manifest))
+      ENGRAM_RETURN_IF_ERROR(remove_file(store / file));
     ENGRAM_ASSIGN_OR_RETURN(const auto journals, list_journals(store));
     for (const uint64_t number : journals)
       if (number < manifest.first_journal) ENGRAM_RETURN_IF_ERROR(Journal::remove(store, number));
