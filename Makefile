@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars fade-bars ninety-days age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days age-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -61,6 +61,7 @@ help:
 	@echo "             (MONTH_OPTIONS='--form short': 11 small nights, minutes; it goes on where it was)"
 	@echo "make fade-bars       what remains of images that fade, and for how many bytes (RECORDINGS, BARS=options)"
 	@echo "make ninety-days     what a store answers of 90 simulated days with a tenth of its bytes (BARS=options)"
+	@echo "make recall-bars     how often likeness finds the same phase of a task elsewhere (BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
@@ -208,6 +209,12 @@ hostile: build
 	  /usr/bin/python3 -m experiments.hostile $(BARS)
 
 # Options: /usr/bin/python3 -m experiments.many --help
+# Options: /usr/bin/python3 -m experiments.recall --help
+recall-bars: build
+	@cmake/install_packages.sh experiments/packages.txt
+	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
+	  /usr/bin/python3 -m experiments.recall $(BARS)
+
 many-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m experiments.many --engram build/release/bin/engram \
 	  $(BARS)

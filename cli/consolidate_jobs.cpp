@@ -46,11 +46,13 @@ std::vector<std::string> child_arguments(const std::vector<ltm::MemoryId>& entit
 /// Joins the reports of all parts, with entities in the order of the plan.
 Json united_report(const training::ConsolidatePlan& plan,
                    const std::vector<ChildProcess>& children) {
-  Json all{
-      {"plan", reports::plan_json(plan)}, {"entities", Json::array()}, {"dropped", Json::array()}};
+  Json all{{"plan", reports::plan_json(plan)},
+           {"entities", Json::array()},
+           {"dropped", Json::array()},
+           {"codes", Json::array()}};
   for (const ChildProcess& child : children) {
     const Json part = Json::parse(child.output, nullptr, false);
-    for (const char* list : {"entities", "dropped"}) {
+    for (const char* list : {"entities", "dropped", "codes"}) {
       if (!part.is_object() || !part.contains(list)) continue;
       for (const Json& one : part.at(list)) all[list].push_back(one);
     }
@@ -61,7 +63,7 @@ Json united_report(const training::ConsolidatePlan& plan,
     };
     return std::ranges::find_if(plan.entities, is_it) - plan.entities.begin();
   };
-  for (const char* list : {"entities", "dropped"})
+  for (const char* list : {"entities", "dropped", "codes"})
     std::sort(all[list].begin(), all[list].end(),
               [&](const Json& a, const Json& b) { return place_of(a) < place_of(b); });
   return all;

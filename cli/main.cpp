@@ -100,6 +100,7 @@ struct Program {
     if (learning != nullptr) learning->add_crossval_command(app, exit_code);
     add_ls_command(app, exit_code);
     add_query_command(app, exit_code);
+    add_similar_command(app, exit_code);
     add_export_command(app, exit_code);
     if (learning != nullptr) learning->add_eval_command(app, exit_code);
     add_predict_command(app, exit_code);

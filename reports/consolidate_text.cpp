@@ -163,6 +163,15 @@ void print_report(const training::ConsolidateReport& report) {
     if (entity.choice.previous_version > 0) print(choice_text(entity.choice));
     for (const std::string& note : all_notes(entity)) print("  " + note);
   }
+  for (const ltm::EntityCoding& coding : report.codes) {
+    if (coding.coded == 0 && coding.left == 0) continue;
+    print(fmt::format("{}: {} images coded to be found by likeness (space {}{}){}",
+                      coding.entity.printable(), count_text(coding.coded), coding.space,
+                      coding.is_learned ? ", learned anew" : "",
+                      coding.left > 0 ? fmt::format("; {} wait for the next job: the time was over",
+                                                    count_text(coding.left))
+                                      : ""));
+  }
 }
 
 void print_dropped(const std::vector<DroppedRaw>& dropped) {
@@ -186,8 +195,19 @@ Json report_json(const training::ConsolidatePlan& plan, const training::Consolid
                      {"freed_bytes", drop.report.freed_bytes},
                      {"processor_seconds", drop.time.processor_seconds},
                      {"seconds", drop.time.seconds}});
-  return {
-      {"plan", plan_json(plan)}, {"entities", std::move(entities)}, {"dropped", std::move(drops)}};
+  Json codes = Json::array();
+  for (const ltm::EntityCoding& coding : report.codes)
+    codes.push_back({{"entity", coding.entity.to_string()},
+                     {"space", coding.space},
+                     {"is_learned", coding.is_learned},
+                     {"coded", coding.coded},
+                     {"kept", coding.kept},
+                     {"skipped", coding.skipped},
+                     {"waiting", coding.left}});
+  return {{"plan", plan_json(plan)},
+          {"entities", std::move(entities)},
+          {"dropped", std::move(drops)},
+          {"codes", std::move(codes)}};
 }
 
 }  // namespace engram::reports

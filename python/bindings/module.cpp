@@ -89,6 +89,7 @@ PYBIND11_MODULE(_core, module) {
       .def("query", &OpenStore::query)
       .def("predict", &OpenStore::predict)
       .def("engines", &OpenStore::engines)
+      .def("similar", &OpenStore::similar)
       .def("models", &OpenStore::models)
       .def("stored_snapshots", &OpenStore::stored_snapshots)
       .def("latents", &OpenStore::latents)

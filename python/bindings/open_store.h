@@ -3,13 +3,16 @@
 
 // Private to this room.
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <vector>
 
 #include "ltm/core/mutex.h"
+#include "ltm/likeness/similar.h"
 #include "ltm/recall/recall.h"
 #include "python/bindings/inspected_model.h"
 
@@ -55,6 +58,16 @@ class OpenStore {
   pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from,
                          bool prefers_latents);
 
+  /// The moments of an entity that are like the one at `moment` (ns), or like an image, nearest
+  /// first: a dict with "space", "compared", "computed" and "moments", dicts with "time",
+  /// "distance" and "recording" (first and last, ns). `with_entities` maps other entities to
+  /// weights; `among` is a query, or empty; `apart` and `context` are in ns.
+  pybind11::dict similar(const std::string& entity, std::optional<int64_t> moment,
+                         const std::optional<pybind11::array>& image, const std::string& among,
+                         size_t count, int64_t apart, int64_t context, bool is_one_per_recording,
+                         bool is_elsewhere, bool takes_any_size,
+                         const std::map<std::string, double>& with_entities);
+
   /// The models, older ones first: dicts with "entity", "version", "file", "bytes".
   pybind11::list models();
 
@@ -82,6 +95,9 @@ class OpenStore {
   int process_ = 0;
   Mutex mutex_;
   std::unique_ptr<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);  ///< Null once it is closed.
+  /// Opened with the first question about likeness, and kept for the next ones.
+  std::unique_ptr<ltm::StorePast> past_ ENGRAM_GUARDED_BY(mutex_);
+  std::unique_ptr<ltm::LikenessSearch> likeness_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::python

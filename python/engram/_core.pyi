@@ -27,6 +27,20 @@ class OpenStore:
     def engines(
         self, entity: str, ahead: int, start: int | None, prefers_latents: bool
     ) -> list[dict[str, Any]]: ...
+    def similar(
+        self,
+        entity: str,
+        moment: int | None,
+        image: npt.NDArray[Any] | None,
+        among: str,
+        count: int,
+        apart: int,
+        context: int,
+        is_one_per_recording: bool,
+        is_elsewhere: bool,
+        takes_any_size: bool,
+        with_entities: dict[str, float],
+    ) -> dict[str, Any]: ...
     def models(self) -> list[dict[str, Any]]: ...
     def stored_snapshots(self, entity: str) -> dict[str, Any]: ...
     def latents(

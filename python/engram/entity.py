@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy.typing as npt
 from engram.doors import Door
 from engram.errors import InvalidArgumentError, NotFoundError
 from engram.frame import frame_of
+from engram.likeness import Similar, similar_of
 from engram.model import Latents, Model, latents_of
 from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
 from engram.times import DurationLike, TimeLike, duration_ns, to_datetime64, to_ns
@@ -124,6 +125,49 @@ class Entity:
         """
         found = self._door.engines(self.name, duration_ns(ahead), _last_known(at, start))
         return [engine_of(one) for one in found]
+
+    def similar(
+        self,
+        to: TimeLike | npt.NDArray[Any] | None = None,
+        count: int = 10,
+        *,
+        apart: DurationLike = 1.0,
+        context: DurationLike = 2.0,
+        one_per_recording: bool = False,
+        elsewhere: bool = False,
+        among: str = "",
+        beside: Mapping[str, float] | None = None,
+        any_size: bool = False,
+    ) -> Similar:
+        """The moments that are most like one of this entity, or like an image; nearest first.
+
+        `to`: a moment, an image (H, W, C), or None for the last moment. `apart` (seconds): a moment
+        so near to a more alike one, or to `to`, is left out. `context` (seconds): how far back what
+        came before is compared, too; 0: only the moment itself. `one_per_recording`: the nearest
+        moment of each recording. `elsewhere`: none of the recording of `to`. `among`: a query that
+        selects the moments (docs/query.md). `beside`: other entities that must be alike, too, with
+        their weights beside 1. `any_size`: take an image of another size. What is compared is in
+        files: of a live memory, what has left its working memory.
+        Raises NotFoundError where there is no such moment, InvalidArgumentError where an image has
+        another size, FailedPreconditionError where there are neither images nor numbers, and of a
+        memory in a server. Source: docs/recall.md.
+        """
+        is_image = isinstance(to, np.ndarray) and to.ndim >= 2
+        moment = None if is_image else self.last if to is None else to_ns(to)  # type: ignore[arg-type]
+        found = self._door.files().similar(
+            self.name,
+            moment,
+            to if is_image else None,
+            among,
+            count,
+            duration_ns(apart),
+            duration_ns(context),
+            one_per_recording,
+            elsewhere,
+            any_size,
+            dict(beside or {}),
+        )
+        return similar_of(self.name, found)
 
     def window(self, time: TimeLike, offsets: Sequence[DurationLike]) -> list[Snapshot]:
         """What was closest to each of `time` + offset (seconds); predictions of the future."""

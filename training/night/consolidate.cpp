@@ -5,11 +5,13 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "encoders/load_model.h"
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
 #include "ltm/store/checkpoint_file.h"
@@ -205,6 +207,22 @@ Result<EntityReport> consolidate_job(const std::filesystem::path& store, const E
   return done;
 }
 
+/// Codes the images of the entities of a job, so that moments like others are found. It comes last,
+/// because codes of latents stay when the recorded form goes.
+Result<std::vector<ltm::EntityCoding>> code_images(const std::filesystem::path& store,
+                                                   const Jobs& jobs,
+                                                   const ConsolidateOptions& options,
+                                                   JobPace& pace) {
+  std::set<ltm::MemoryId> entities;
+  for (const EntityJob& job : jobs.entities) entities.insert(job.work.entity);
+  ltm::CodesOptions codes;
+  codes.matches = [&entities](const ltm::MemoryId& id) { return entities.contains(id); };
+  codes.is_over = [&options, &pace] {
+    return (options.job.until && system_now() >= *options.job.until) || !pace.pause().ok();
+  };
+  return ltm::make_codes(store, encoders::load_model, codes, pace.progress(), pace.stop());
+}
+
 }  // namespace
 
 Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
@@ -247,6 +265,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
     one.expected_encoding_seconds = job.encoding.seconds;
     one.costs = *job.costs;
   }
+  ENGRAM_ASSIGN_OR_RETURN(report.codes, code_images(store, jobs, options, pace));
   return report;
 }
 

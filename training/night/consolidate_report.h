@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "encoders/provenance.h"
+#include "ltm/likeness/make_codes.h"
 #include "ltm/memory/memory_id.h"
 #include "training/fit/train_report.h"
 #include "training/night/entity_costs.h"
@@ -45,6 +46,8 @@ struct EntityReport {
 
 struct ConsolidateReport {
   std::vector<EntityReport> entities;  ///< Sorted by name.
+  /// Of the entities with images: what was done so that moments like others are found.
+  std::vector<ltm::EntityCoding> codes;
 };
 
 }  // namespace engram::training

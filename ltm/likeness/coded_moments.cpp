@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ltm/likeness/coded_moments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "ltm/likeness/gather_space.h"
+#include "ltm/likeness/seen_image.h"
+#include "ltm/likeness/stored_codes.h"
+#include "ltm/store/segment_index.h"
+
+namespace engram::ltm {
+
+namespace {
+
+constexpr size_t kMaxNumberMoments = 100'000;
+/// Numbers of all codes together, so that arrays of a thousand numbers take no gigabytes.
+constexpr size_t kMaxNumbers = size_t{1} << 25;
+constexpr Duration kChangeLag = std::chrono::milliseconds(400);
+
+/// The entries of an entity, in the order of time.
+Result<std::vector<SnapshotEntry>> entries_of(StorePast& past, const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past.store().timeline(entity));
+  std::vector<SnapshotEntry> entries;
+  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entries](const SnapshotEntry& entry) {
+    entries.push_back(entry);
+    return Status();
+  }));
+  return entries;
+}
+
+std::vector<Time> entry_times(const std::vector<SnapshotEntry>& entries) {
+  std::vector<Time> times;
+  times.reserve(entries.size());
+  for (const SnapshotEntry& entry : entries) times.push_back(entry.time);
+  return times;
+}
+
+/// Reads the codes of the images of one entity.
+class ImageCodes {
+ public:
+  ImageCodes(StorePast& past, const MemoryId& entity, const ProgressSink& progress,
+             const std::stop_token& stop)
+      : past_(past), entity_(entity), progress_(progress), stop_(stop) {}
+
+  Result<CodedMoments> run(const std::vector<SnapshotEntry>& entries) {
+    ENGRAM_ASSIGN_OR_RETURN(images_, past_.of(entity_));
+    ENGRAM_RETURN_IF_ERROR(find_space(entries));
+    coded_.numbers = kCodeSize;
+    const StoredCodes stored = StoredCodes::read(past_.store(), entity_, coded_.space.id());
+    for (const SnapshotEntry& entry : entries) {
+      if (stop_.stop_requested()) return cancelled("'{}': coding images", entity_.to_string());
+      if (const auto code = stored.find(entry); !code.empty()) {
+        append(entry.time, code);
+      } else {
+        ENGRAM_RETURN_IF_ERROR(compute(entry.time, entries.size()));
+      }
+    }
+    coded_.recordings = cut_recordings(coded_.times);
+    return std::move(coded_);
+  }
+
+ private:
+  Status find_space(const std::vector<SnapshotEntry>& entries) {
+    if (const auto bytes = read_entity_index(past_.store().path(), entity_, kSpaceIndex);
+        bytes.ok())
+      if (auto space = LikenessSpace::unpack(bytes->bytes()); space.ok()) {
+        coded_.space = *std::move(space);
+        coded_.is_stored_space = true;
+        return {};
+      }
+    ENGRAM_ASSIGN_OR_RETURN(coded_.space,
+                            learn_space(past_, entity_, entry_times(entries), progress_, stop_));
+    return {};
+  }
+
+  void append(Time time, std::span<const int8_t> code) {
+    coded_.times.push_back(time);
+    coded_.codes.insert(coded_.codes.end(), code.begin(), code.end());
+  }
+
+  Status compute(Time time, size_t total) {
+    if (progress_)
+      progress_({"code images of " + entity_.to_string(), coded_.times.size(), total, "", -1});
+    ENGRAM_ASSIGN_OR_RETURN(const auto seen, see(*images_, time));
+    if (!seen || seen->size != coded_.space.size) return {};
+    append(time, coded_.space.code(seen->descriptor));
+    ++coded_.computed;
+    return {};
+  }
+
+  StorePast& past_;
+  const MemoryId& entity_;
+  const ProgressSink& progress_;
+  const std::stop_token& stop_;
+  std::unique_ptr<EntityPast> images_;
+  CodedMoments coded_;
+};
+
+/// Makes columns that never change 0, and gives all others the mean 0 and the deviation 1.
+void standardise_columns(CodedMoments& coded) {
+  const auto rows = static_cast<double>(coded.size());
+  for (size_t j = 0; j < coded.numbers; ++j) {
+    double sum = 0, squares = 0;
+    for (size_t i = 0; i < coded.size(); ++i) sum += coded.codes[i * coded.numbers + j];
+    const double mean = sum / rows;
+    for (size_t i = 0; i < coded.size(); ++i)
+      squares += std::pow(coded.codes[i * coded.numbers + j] - mean, 2);
+    const double deviation = std::sqrt(squares / rows);
+    for (size_t i = 0; i < coded.size(); ++i) {
+      float& number = coded.codes[i * coded.numbers + j];
+      number = deviation > 0 ? static_cast<float>((number - mean) / deviation) : 0.0f;
+    }
+  }
+}
+
+/// Puts the change of each number behind its value.
+void append_changes(CodedMoments& coded) {
+  const auto before = coded.lagged(kChangeLag);
+  std::vector<float> with_changes;
+  with_changes.reserve(2 * coded.codes.size());
+  for (size_t i = 0; i < coded.size(); ++i) {
+    const auto now = coded.code(i), then = coded.code(before[i]);
+    with_changes.insert(with_changes.end(), now.begin(), now.end());
+    std::ranges::transform(now, then, std::back_inserter(with_changes), std::minus<>());
+  }
+  coded.codes = std::move(with_changes);
+  coded.numbers *= 2;
+}
+
+Result<CodedMoments> number_codes(StorePast& past, const MemoryId& entity,
+                                  const std::vector<SnapshotEntry>& entries, size_t numbers,
+                                  const ProgressSink& progress, const std::stop_token& stop) {
+  CodedMoments coded;
+  coded.coded_by = CodedBy::kNumbers;
+  coded.numbers = numbers;
+  ENGRAM_ASSIGN_OR_RETURN(const auto values, past.of(entity));
+  const size_t count =
+      std::min({entries.size(), kMaxNumberMoments, std::max<size_t>(kMaxNumbers / numbers, 2)});
+  for (size_t i = 0; i < count; ++i) {
+    if (stop.stop_requested()) return cancelled("'{}': reading numbers", entity.to_string());
+    if (progress) progress({"read numbers of " + entity.to_string(), i, count, "", -1});
+    const Time time = entries[i * entries.size() / count].time;
+    ENGRAM_ASSIGN_OR_RETURN(const auto row, numbers_at(*values, time));
+    const bool is_finite =
+        std::ranges::all_of(row, [](double number) { return std::isfinite(number); });
+    if (row.size() != numbers || !is_finite) continue;  // Another layout cannot be compared.
+    coded.times.push_back(time);
+    coded.codes.insert(coded.codes.end(), row.begin(), row.end());
+  }
+  coded.recordings = cut_recordings(coded.times);
+  append_changes(coded);
+  standardise_columns(coded);
+  return coded;
+}
+
+}  // namespace
+
+std::optional<size_t> CodedMoments::at_or_before(Time time) const {
+  const auto after = std::ranges::upper_bound(times, time);
+  if (after == times.begin()) return std::nullopt;
+  return static_cast<size_t>(after - times.begin()) - 1;
+}
+
+std::vector<size_t> CodedMoments::lagged(Duration lag) const {
+  std::vector<size_t> before(size());
+  for (const Sequence& recording : recordings) {
+    size_t at = recording.first;
+    for (size_t i = recording.first; i < recording.end; ++i) {
+      while (at < i && times[at + 1] <= times[i] - lag) ++at;
+      before[i] = at;
+    }
+  }
+  return before;
+}
+
+double CodedMoments::spread() const {
+  double squares = 0;
+  std::vector<double> sums(numbers, 0.0);
+  for (size_t i = 0; i < codes.size(); ++i) {
+    squares += static_cast<double>(codes[i]) * codes[i];
+    sums[i % numbers] += codes[i];
+  }
+  const auto rows = static_cast<double>(std::max<size_t>(size(), 1));
+  double mean_square = 0;
+  for (const double sum : sums) mean_square += sum / rows * (sum / rows);
+  // Twice the variance, because both of a pair deviate.
+  const double variance = std::max(squares / rows - mean_square, 0.0);
+  return std::sqrt(2 * variance / static_cast<double>(std::max<size_t>(numbers, 1)));
+}
+
+void CodedMoments::centre_recordings() {
+  constexpr double kUsualMoments = 30;
+  for (const Sequence& recording : recordings) {
+    const auto count = static_cast<double>(recording.size());
+    const double share = count / (count + kUsualMoments);
+    std::vector<double> mean(numbers, 0.0);
+    for (size_t i = recording.first; i < recording.end; ++i)
+      for (size_t j = 0; j < numbers; ++j) mean[j] += codes[i * numbers + j] / count;
+    for (size_t i = recording.first; i < recording.end; ++i)
+      for (size_t j = 0; j < numbers; ++j)
+        codes[i * numbers + j] -= static_cast<float>(share * mean[j]);
+  }
+}
+
+Result<CodedMoments> code_moments(StorePast& past, const MemoryId& entity,
+                                  const ProgressSink& progress, const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(past, entity));
+  if (entries.empty()) return not_found("'{}': has no snapshots", entity.to_string());
+  ENGRAM_ASSIGN_OR_RETURN(const auto example, past.of(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto seen, see(*example, entries.back().time));
+  if (seen) return ImageCodes(past, entity, progress, stop).run(entries);
+  ENGRAM_ASSIGN_OR_RETURN(const auto numbers, numbers_at(*example, entries.back().time));
+  if (numbers.empty())
+    return failed_precondition("'{}': has neither images nor numbers to compare",
+                               entity.to_string());
+  return number_codes(past, entity, entries, numbers.size(), progress, stop);
+}
+
+}  // namespace engram::ltm

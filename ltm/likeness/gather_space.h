@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <stop_token>
+
+#include "ltm/core/progress.h"
+#include "ltm/likeness/likeness_space.h"
+#include "ltm/recall/known_past.h"
+
+namespace engram::ltm {
+
+/// An entity without this many images has no codes: too few to learn from, and quickly looked
+/// through.
+inline constexpr size_t kMinCodedSnapshots = 16;
+
+/// Learns the space of an entity from at most 3,000 of its moments, evenly spaced over all of them.
+/// `times` are all its moments. The same past gives the same space.
+/// Errors: kFailedPrecondition if fewer than two of these moments have an image; kCancelled on
+/// `stop`; those of reading.
+Result<LikenessSpace> learn_space(KnownPast& past, const MemoryId& entity,
+                                  std::span<const Time> times, const ProgressSink& progress,
+                                  const std::stop_token& stop);
+
+}  // namespace engram::ltm
