@@ -4,6 +4,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
+#include "ltm/likeness/similar.h"
 #include "ltm/recording/recording_config.h"
 #include "memory/live/local_subscription.h"
 #include "memory/live/memory_service.h"
@@ -39,6 +40,7 @@ class ReadMemory final : public Memory {
   ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
              const ltm::Recall::Options& options)
       : name_(past->name()),
+        likeness_(past->store().path(), model_loader()),
         recall_(std::in_place, std::move(past), std::move(accesses)),
         options_(options) {}
 
@@ -84,6 +86,14 @@ class ReadMemory final : public Memory {
     return recall_->records(entity, at, ahead, options_);
   }
 
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
+    {
+      const MutexLock lock(mutex_);
+      if (!recall_) return is_closed();
+    }
+    return likeness_.similar(request);
+  }
+
   Status close() override {
     const MutexLock lock(mutex_);
     recall_.reset();
@@ -113,6 +123,7 @@ class ReadMemory final : public Memory {
   [[nodiscard]] Status is_closed() const { return failed_precondition("{}: is closed", name_); }
 
   const std::string name_;
+  ltm::StoreLikeness likeness_;
   Mutex mutex_;
   std::optional<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);
   const ltm::Recall::Options options_;
@@ -122,7 +133,7 @@ class ReadMemory final : public Memory {
 class WrittenMemory final : public Memory {
  public:
   explicit WrittenMemory(std::unique_ptr<memory::MemoryService> service)
-      : service_(std::move(service)) {}
+      : service_(std::move(service)), likeness_(service_->options().store->store, model_loader()) {}
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
@@ -164,6 +175,11 @@ class WrittenMemory final : public Memory {
     return service_->engines(entity, ahead, at);
   }
 
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
+    return likeness_.similar(request);
+  }
+
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
@@ -189,6 +205,7 @@ class WrittenMemory final : public Memory {
   }
 
   const std::unique_ptr<memory::MemoryService> service_;
+  ltm::StoreLikeness likeness_;
   const std::shared_ptr<memory::EventHub> hub_ = std::make_shared<memory::EventHub>();
   std::atomic<bool> is_closed_{false};
 };

@@ -12,6 +12,7 @@
 
 #include "ltm/core/time.h"
 #include "ltm/idf/type.h"
+#include "ltm/likeness/similar_moments.h"
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
@@ -171,6 +172,13 @@ class Memory {
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead) {
     return engines(entity, ahead, {});
   }
+
+  /// Finds the moments of an entity that are like one of its moments, or like an image: when was it
+  /// like this before? What is in the store is compared, journals included; what working memory
+  /// alone holds is not.
+  /// Errors: those of ltm::LikenessSearch::find; kFailedPrecondition if this memory is in a server,
+  /// which does not answer this.
+  virtual Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request);
 
   /// Subscribes to the commits from now on, those of this program included. Returns once the
   /// subscription is in place.

@@ -29,7 +29,7 @@ CAMERA = "Vision/RGB/head/stereo"
 JOINTS = "RobotState/Proprioception/robot/joints"
 LAGS = (0, 0.2, 0.6, 1.0, 2.0)  #: Seconds before a moment, as the context of codes.
 EXAMPLES = """Examples:
-  python3 -m experiments.recall                            25 recordings of a minute, half an hour
+  python3 -m experiments.recall                            23 recordings of a minute, half an hour
   python3 -m experiments.recall --learned 1..4 --asked 5..8 --seconds 30 --work /tmp/recall
   python3 -m experiments.recall --json recall.json         the figures, too
 
@@ -44,8 +44,10 @@ def arguments_of(words: list[str] | None = None) -> argparse.Namespace:
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--engram", type=pathlib.Path, default=ROOT / "build/release/bin/engram",
                         help="the program (build/release/bin/engram); PYTHONPATH has its package")
-    parser.add_argument("--learned", default="1..13", help="seeds that are learned from (1..13)")
-    parser.add_argument("--asked", default="14..25", help="seeds that are asked about (14..25)")
+    parser.add_argument("--learned", default="13..24",
+                        help="seeds that are learned from (13..24)")
+    parser.add_argument("--asked", default="25..35",
+                        help="seeds that are asked about (25..35)")
     parser.add_argument("--seconds", type=float, default=60, help="of each recording (60)")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/recall",
                         help="folder of the store, which is used again (build/recall)")

@@ -178,6 +178,8 @@ Result<std::vector<std::string>> remove_side_files(const std::filesystem::path& 
     ENGRAM_ASSIGN_OR_RETURN(auto indexes, remove_entity_indexes(store, id));
     std::ranges::move(indexes, std::back_inserter(files));
   }
+  ENGRAM_ASSIGN_OR_RETURN(auto outdated, remove_outdated_entity_indexes(store));
+  std::ranges::move(outdated, std::back_inserter(files));
   return files;
 }
 

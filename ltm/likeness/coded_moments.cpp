@@ -2,6 +2,7 @@
 #include "ltm/likeness/coded_moments.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -156,6 +157,33 @@ Result<CodedMoments> number_codes(StorePast& past, const MemoryId& entity,
   return coded;
 }
 
+/// How far back what came before is looked at, as shares of the context: closer where it is newer.
+constexpr std::array<double, 5> kLags{0, 0.1, 0.3, 0.5, 1};
+
+std::vector<Duration> lags_of(Duration context) {
+  if (context == Duration::zero()) return {Duration::zero()};
+  std::vector<Duration> lags;
+  for (const double share : kLags)
+    lags.push_back(Duration(static_cast<int64_t>(share * static_cast<double>(context.count()))));
+  return lags;
+}
+
+/// With eight sums side by side, which the compiler keeps in one register.
+double square_distance(std::span<const float> a, std::span<const float> b) {
+  constexpr size_t kSide = 8;
+  std::array<float, kSide> sums{};
+  size_t i = 0;
+  for (; i + kSide <= a.size(); i += kSide)
+    for (size_t j = 0; j < kSide; ++j) {
+      const float difference = a[i + j] - b[i + j];
+      sums[j] += difference * difference;
+    }
+  double sum = 0;
+  for (; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  for (const float one : sums) sum += one;
+  return sum;
+}
+
 }  // namespace
 
 std::optional<size_t> CodedMoments::at_or_before(Time time) const {
@@ -189,6 +217,30 @@ double CodedMoments::spread() const {
   // Twice the variance, because both of a pair deviate.
   const double variance = std::max(squares / rows - mean_square, 0.0);
   return std::sqrt(2 * variance / static_cast<double>(std::max<size_t>(numbers, 1)));
+}
+
+std::vector<double> CodedMoments::square_distances(size_t moment, Duration context) const {
+  const auto lags = lags_of(context);
+  const double distance = spread();
+  const double unit =
+      distance * distance * static_cast<double>(numbers) * static_cast<double>(lags.size());
+  std::vector<double> squares(size(), 0.0);
+  if (unit == 0) return squares;
+  for (const Duration lag : lags) {
+    const auto before = lagged(lag);
+    const auto own = code(before[moment]);
+    for (size_t i = 0; i < size(); ++i) squares[i] += square_distance(own, code(before[i])) / unit;
+  }
+  return squares;
+}
+
+std::vector<double> CodedMoments::square_distances(std::span<const float> from) const {
+  const double distance = spread();
+  const double unit = distance * distance * static_cast<double>(numbers);
+  std::vector<double> squares(size(), 0.0);
+  for (size_t i = 0; i < size() && unit > 0; ++i)
+    squares[i] = square_distance(from, code(i)) / unit;
+  return squares;
 }
 
 void CodedMoments::centre_recordings() {

@@ -46,6 +46,13 @@ struct CodedMoments {
   /// The distance of two moments at random, per number: the unit of distances.
   [[nodiscard]] double spread() const;
 
+  /// The squares of the distances of all moments from one of them, with what came before each,
+  /// 0.2, 0.6, 1 and 2 s before for a context of 2 s. 1: as far as two at random. Shape: [N].
+  /// Complexity: O(N K), five times with a context.
+  [[nodiscard]] std::vector<double> square_distances(size_t moment, Duration context) const;
+  /// The same from a code of this space, without what came before. Shape: code [K].
+  [[nodiscard]] std::vector<double> square_distances(std::span<const float> code) const;
+
   /// Takes from each code what is common to its recording. The means of short recordings say less
   /// and are taken off in part.
   void centre_recordings();

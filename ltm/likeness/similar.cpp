@@ -15,44 +15,6 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// How far back what came before is looked at, as shares of the context: closer where it is newer.
-constexpr std::array<double, 5> kLags{0, 0.1, 0.3, 0.5, 1};
-
-std::vector<Duration> lags_of(Duration context) {
-  if (context == Duration::zero()) return {Duration::zero()};
-  std::vector<Duration> lags;
-  for (const double share : kLags)
-    lags.push_back(Duration(static_cast<int64_t>(share * static_cast<double>(context.count()))));
-  return lags;
-}
-
-/// The squares of differences, with four sums so that they are added side by side.
-double square_distance(std::span<const float> a, std::span<const float> b) {
-  std::array<float, 4> sums{};
-  for (size_t i = 0; i < a.size(); ++i) {
-    const float difference = a[i] - b[i];
-    sums[i % sums.size()] += difference * difference;
-  }
-  return static_cast<double>(sums[0]) + sums[1] + sums[2] + sums[3];
-}
-
-/// Adds the distances of all moments from one of them, per number and in units of the spread.
-/// Shape: squares [N].
-void add_distances(const CodedMoments& coded, size_t moment, Duration context,
-                   std::vector<double>& squares) {
-  const auto lags = lags_of(context);
-  const double spread = coded.spread();
-  if (spread == 0) return;
-  const double unit =
-      spread * spread * static_cast<double>(coded.numbers) * static_cast<double>(lags.size());
-  for (const Duration lag : lags) {
-    const auto before = coded.lagged(lag);
-    const auto own = coded.code(before[moment]);
-    for (size_t i = 0; i < coded.size(); ++i)
-      squares[i] += square_distance(own, coded.code(before[i])) / unit;
-  }
-}
-
 /// The moment of the request among those with codes.
 Result<size_t> moment_of(const CodedMoments& coded, const MemoryId& entity, Time moment) {
   const auto at = coded.at_or_before(moment);
@@ -79,12 +41,7 @@ Result<std::vector<double>> image_distances(const CodedMoments& coded,
     return invalid_argument("'{}': its images have {} pixels and channels, found an image of {}",
                             entity.to_string(), coded.space.size.to_string(), size->to_string());
   const auto bytes = coded.space.code(descriptor);
-  const std::vector<float> code(bytes.begin(), bytes.end());
-  const double unit = std::pow(coded.spread(), 2) * static_cast<double>(coded.numbers);
-  std::vector<double> squares(coded.size(), 0.0);
-  for (size_t i = 0; i < coded.size() && unit > 0; ++i)
-    squares[i] = square_distance(code, coded.code(i)) / unit;
-  return squares;
+  return coded.square_distances(std::vector<float>(bytes.begin(), bytes.end()));
 }
 
 /// Which moments a query selects of the entity. Shape: [N].
@@ -111,8 +68,7 @@ Result<std::vector<bool>> selected(StorePast& past, const SimilarRequest& reques
 /// Adds the weighted distances of another entity; moments that it has nothing for are out.
 void add_part(const CodedMoments& coded, const CodedMoments& part, size_t moment, double weight,
               Duration context, std::vector<double>& squares) {
-  std::vector<double> own(part.size(), 0.0);
-  add_distances(part, moment, context, own);
+  const auto own = part.square_distances(moment, context);
   for (size_t i = 0; i < coded.size(); ++i) {
     const auto at = part.at_or_before(coded.times[i]);
     squares[i] = at ? squares[i] + weight * own[*at] : kNever;
@@ -217,8 +173,7 @@ Result<std::vector<double>> LikenessSearch::distances(const SimilarRequest& requ
                                                       const std::stop_token& stop) {
   if (request.image) return image_distances(coded, request);
   ENGRAM_ASSIGN_OR_RETURN(const size_t moment, moment_of(coded, request.entity, *request.moment));
-  std::vector<double> squares(coded.size(), 0.0);
-  add_distances(coded, moment, request.context, squares);
+  auto squares = coded.square_distances(moment, request.context);
   double weights = 1;
   for (const SimilarPart& one : request.with) {
     ENGRAM_ASSIGN_OR_RETURN(
@@ -256,6 +211,19 @@ Result<SimilarAnswer> LikenessSearch::find(const SimilarRequest& request,
   if (request.moment) choice.leave_out(*coded->at_or_before(*request.moment));
   answer.moments = choice.nearest(squares);
   return answer;
+}
+
+Result<SimilarAnswer> StoreLikeness::similar(const SimilarRequest& request) {
+  const MutexLock lock(mutex_);
+  // Taken before the store is opened, so that a change between the two is noticed the next time.
+  StoreMark now = look_at_store(store_);
+  if (search_ == nullptr || now != mark_) {
+    search_.reset();
+    ENGRAM_ASSIGN_OR_RETURN(past_, StorePast::open(store_, loader_, {}));
+    search_ = std::make_unique<LikenessSearch>(*past_);
+    mark_ = std::move(now);
+  }
+  return search_->find(request);
 }
 
 }  // namespace engram::ltm

@@ -1,76 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <map>
 #include <memory>
-#include <optional>
 #include <stop_token>
-#include <string>
+#include <utility>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/core/progress.h"
-#include "ltm/idf/ndarray.h"
 #include "ltm/likeness/coded_moments.h"
-#include "ltm/memory/query.h"
+#include "ltm/likeness/similar_moments.h"
 #include "ltm/recall/store_past.h"
 
 namespace engram::ltm {
-
-/// Another entity that counts when moments are compared.
-struct SimilarPart {
-  MemoryId entity;
-  double weight = 1;  ///< Beside that of the searched entity, which is 1.
-};
-
-/// Asks when it was like this before.
-struct SimilarRequest {
-  MemoryId entity;  ///< Whose moments are searched.
-  /// Like this moment of the entity, or like `image`: one of both.
-  std::optional<Time> moment{};
-  std::optional<idf::NdArray> image{};
-  /// What else must be alike. Needs `moment`.
-  std::vector<SimilarPart> with{};
-  /// Only moments of the entity that this query selects.
-  std::optional<Query> among{};
-  size_t count = 10;
-  /// A moment that is as near in time to one before it in the answer, or to `moment`, is left out:
-  /// neighbours of a moment are like it, and tell nothing new.
-  Duration apart = std::chrono::seconds(1);
-  /// Only the nearest moment of each recording.
-  bool is_one_per_recording = false;
-  /// No moments of the recording that `moment` is in.
-  bool is_elsewhere = false;
-  /// What came before is compared, too, as far back as this. With zero one image tells all. Of an
-  /// `image` nothing is known before.
-  Duration context = std::chrono::seconds(2);
-  /// Takes an image of any size.
-  bool takes_any_size = false;
-
-  /// Errors: kInvalidArgument.
-  [[nodiscard]] Status validate() const;
-};
-
-/// A moment like another one.
-struct SimilarMoment {
-  Time time{};
-  /// 0: equal codes. 1: as different as two moments of this memory at random.
-  double distance = 0;
-  /// The first and the last moment of its recording.
-  Time recording_first{};
-  Time recording_last{};
-};
-
-struct SimilarAnswer {
-  MemoryId entity;
-  /// The space of its codes: "images 8c21fe03", "numbers".
-  std::string space;
-  bool is_stored_space = false;  ///< False also where numbers are compared, which need none.
-  uint64_t compared = 0;         ///< Moments that were compared.
-  uint64_t computed =
-      0;  ///< Images that had to be decoded for it, because no night had coded them.
-  std::vector<SimilarMoment> moments;  ///< The nearest first.
-};
 
 /// Finds the moments of an entity that are like one of its moments, or like an image. All of them
 /// are compared, so none is missed. The codes of the entities that were searched last are kept, so
@@ -101,6 +44,26 @@ class LikenessSearch {
   StorePast& past_;
   /// By entity, and whether what is common to a recording was taken off.
   std::map<std::pair<MemoryId, bool>, std::shared_ptr<const CodedMoments>> kept_;
+};
+
+/// Answers what is like what in a store, as the store is at each question.
+///
+/// Threading: thread-safe; questions take turns.
+class StoreLikeness {
+ public:
+  StoreLikeness(std::filesystem::path store, ModelLoader loader)
+      : store_(std::move(store)), loader_(std::move(loader)) {}
+
+  /// Errors: those of LikenessSearch::find and StoreReader::open.
+  Result<SimilarAnswer> similar(const SimilarRequest& request);
+
+ private:
+  const std::filesystem::path store_;
+  const ModelLoader loader_;
+  Mutex mutex_;
+  StoreMark mark_ ENGRAM_GUARDED_BY(mutex_);  ///< Of the store as `past_` shows it.
+  std::unique_ptr<StorePast> past_ ENGRAM_GUARDED_BY(mutex_);
+  std::unique_ptr<LikenessSearch> search_ ENGRAM_GUARDED_BY(mutex_);
 };
 
 }  // namespace engram::ltm

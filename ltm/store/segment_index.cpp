@@ -69,6 +69,12 @@ Result<Buffer> unframed(const std::filesystem::path& file, std::optional<uint64_
   return Buffer::copy(content);
 }
 
+/// What an index of an entity belongs to: how many of its snapshots had been forgotten.
+uint64_t forgotten_of(const Manifest& manifest, const MemoryId& entity) {
+  const auto found = manifest.forgotten.find(entity);
+  return found == manifest.forgotten.end() ? 0 : found->second.snapshots;
+}
+
 Status write_index(const std::filesystem::path& store, const std::string& name, uint64_t owner,
                    std::span<const std::byte> content) {
   ENGRAM_RETURN_IF_ERROR(make_directories(store / kIndexFolder));
@@ -124,21 +130,18 @@ Status edit_segment_index(const std::filesystem::path& store, const SegmentInfo&
 
 Result<Buffer> read_entity_index(const std::filesystem::path& store, const MemoryId& entity,
                                  std::string_view kind) {
-  return unframed(store / entity_index_name(entity, kind), 0);
+  return unframed(store / entity_index_name(entity, kind), {});
 }
 
 Status publish_entity_index(const std::filesystem::path& store, const Manifest& was_made_of,
                             const MemoryId& entity, std::string_view kind,
                             std::span<const std::byte> content) {
-  const auto forgotten = [&entity](const Manifest& manifest) {
-    const auto found = manifest.forgotten.find(entity);
-    return found == manifest.forgotten.end() ? 0 : found->second.snapshots;
-  };
+  const uint64_t owner = forgotten_of(was_made_of, entity);
   return under_manifest_lock(store, [&](const Manifest& manifest) -> Status {
-    if (forgotten(manifest) != forgotten(was_made_of))
+    if (forgotten_of(manifest, entity) != owner)
       return failed_precondition("store '{}': snapshots of '{}' were forgotten meanwhile",
                                  store.string(), entity.to_string());
-    return write_index(store, entity_index_name(entity, kind), 0, content);
+    return write_index(store, entity_index_name(entity, kind), owner, content);
   });
 }
 
@@ -150,6 +153,22 @@ Result<std::vector<std::string>> remove_entity_indexes(const std::filesystem::pa
     ENGRAM_RETURN_IF_ERROR(remove_file(store / kIndexFolder / name));
     removed.push_back(fmt::format("{}/{}", kIndexFolder, name));
   }
+  return removed;
+}
+
+Result<std::vector<std::string>> remove_outdated_entity_indexes(
+    const std::filesystem::path& store) {
+  std::vector<std::string> removed;
+  ENGRAM_ASSIGN_OR_RETURN(const Manifest manifest, read_manifest(store));
+  const auto names = listed_indexes(store);
+  for (const auto& [entity, sums] : manifest.forgotten)
+    for (const std::string& name : names) {
+      if (!name.starts_with(entity_prefix(entity))) continue;
+      const std::string file = fmt::format("{}/{}", kIndexFolder, name);
+      if (unframed(store / file, sums.snapshots).ok()) continue;
+      ENGRAM_RETURN_IF_ERROR(remove_file(store / file));
+      removed.push_back(file);
+    }
   return removed;
 }
 
@@ -183,7 +202,7 @@ Status copy_indexes(const std::filesystem::path& source, const std::filesystem::
   for (const SegmentInfo& segment : manifest.segments)
     owners[stem_of(segment.file)] = segment.checksum;
   for (const std::string& name : listed_indexes(source)) {
-    uint64_t owner = 0;
+    std::optional<uint64_t> owner;  // Of an entity's any.
     if (is_of_segment(name)) {
       const auto found = owners.find(name.substr(0, name.find('.')));
       if (found == owners.end()) continue;
@@ -192,8 +211,10 @@ Status copy_indexes(const std::filesystem::path& source, const std::filesystem::
       continue;
     }
     const std::string file = fmt::format("{}/{}", kIndexFolder, name);
-    const auto content = unframed(source / file, owner);
-    if (content.ok()) ENGRAM_RETURN_IF_ERROR(write_index(target, file, owner, content->bytes()));
+    if (!unframed(source / file, owner).ok()) continue;
+    ENGRAM_ASSIGN_OR_RETURN(const Buffer whole, read_file(source / file));
+    ENGRAM_RETURN_IF_ERROR(make_directories(target / kIndexFolder));
+    ENGRAM_RETURN_IF_ERROR(replace_file(target / file, whole.bytes()));
   }
   return {};
 }

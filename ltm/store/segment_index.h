@@ -70,6 +70,11 @@ Status publish_entity_index(const std::filesystem::path& store, const Manifest& 
 Result<std::vector<std::string>> remove_entity_indexes(const std::filesystem::path& store,
                                                        const MemoryId& entity);
 
+/// Removes the indexes of entities that were made before anything of their entity was forgotten: as
+/// models, they stay until somebody erases. Returns their names as above.
+/// Errors: those of read_manifest; kUnavailable.
+Result<std::vector<std::string>> remove_outdated_entity_indexes(const std::filesystem::path& store);
+
 /// Removes published files that a manifest no longer names. Indexes of segments go before them, so
 /// that none outlives what it tells of. `files` are relative to the store.
 /// Errors: kUnavailable.

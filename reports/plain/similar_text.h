@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "ltm/likeness/similar.h"
+#include "ltm/likeness/similar_moments.h"
 #include "reports/plain/output.h"
 
 namespace engram::reports {

@@ -104,6 +104,26 @@ TEST_P(FrontDoor, RemembersAsksThePastAndAsksTheFuture) {
   EXPECT_EQ((*copied)[0].instances[0].data, idf::Data(idf::Dict{{"x", 0.1 * 29}}));
 }
 
+TEST_P(FrontDoor, FindsMomentsLikeAnotherOneWhereItHasTheStore) {
+  for (int64_t step = 0; step < 30; ++step)
+    ASSERT_OK(memory->commit(at(step, static_cast<double>(step % 10))));
+  const ltm::SimilarRequest request{
+      .entity = kCup, .moment = at(25, 0).updates[0].time, .count = 2, .apart = Duration(0)};
+  const auto similar = memory->similar(request);
+  if (GetParam() != Door::kOpened) {
+    EXPECT_FAILS(similar, StatusCode::kFailedPrecondition, "servers do not compare moments");
+    return;
+  }
+  ASSERT_OK(similar);
+  EXPECT_EQ(similar->compared, 30u);
+  ASSERT_THAT(similar->moments, SizeIs(2));
+  EXPECT_EQ(similar->moments[0].time, at(15, 0).updates[0].time);
+  EXPECT_NEAR(similar->moments[0].distance, 0, 1e-6);
+  // What comes later is there for the next question.
+  ASSERT_OK(memory->commit(at(35, 5.0)));
+  EXPECT_EQ(memory->similar(request)->compared, 31u);
+}
+
 TEST_P(FrontDoor, PredictsFromAnEarlierMoment) {
   for (int64_t step = 0; step < 30; ++step)
     ASSERT_OK(memory->commit(at(step, step < 20 ? 0.1 * static_cast<double>(step) : 50.0)));

@@ -120,6 +120,12 @@ TEST_F(SegmentIndexTest, OfAnEntityIsRefusedOnceSnapshotsWereForgotten) {
   ASSERT_OK(forget_snapshots(store_, gone));
   EXPECT_FAILS(publish_entity_index(store_, before, example_entity(), "space", as_bytes("old")),
                StatusCode::kFailedPrecondition, "were forgotten meanwhile");
+  EXPECT_OK(read_entity_index(store_, example_entity(), "space"));  // As models, it stays.
+  EXPECT_EQ(remove_outdated_entity_indexes(store_)->size(), 1u);
+  EXPECT_FAILS(read_entity_index(store_, example_entity(), "space"), StatusCode::kNotFound, "");
+  const Manifest after = *read_manifest(store_);
+  ASSERT_OK(publish_entity_index(store_, after, example_entity(), "space", as_bytes("anew")));
+  EXPECT_TRUE(remove_outdated_entity_indexes(store_)->empty());
   EXPECT_EQ(remove_entity_indexes(store_, example_entity())->size(), 1u);
   EXPECT_FAILS(read_entity_index(store_, example_entity(), "space"), StatusCode::kNotFound, "");
 }

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// `engram similar`: what it finds, keeps and refuses; nights make its codes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/run_program.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::cli {
+namespace {
+
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+/// The same recording twice, an hour apart: each moment is there once more.
+class SimilarCommand : public ::testing::Test {
+ protected:
+  SimilarCommand() {
+    const Recording recording = make_recording(directory_.path(), 8);
+    for (const char* start : {"2022-02-18 13:00:00", "2022-02-18 14:00:00"})
+      EXPECT_EQ(run_engram(import_arguments(recording, store_, start)).exit_code, 0);
+  }
+
+  [[nodiscard]] static Json found(const RunResult& result) {
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(result.out, nullptr, false);
+  }
+
+  ScratchDirectory directory_;
+  std::string store_ = directory_.path() / "store";
+  const std::string moment_ = kCamera + "/2022-02-18 13:00:05";
+};
+
+TEST_F(SimilarCommand, FindsTheSameMomentOfTheOtherRecording) {
+  const Json answer = found(run_engram({"similar", store_, moment_, "--elsewhere", "--json"}));
+  EXPECT_EQ(answer.at("moments").at(0).at("id"), kCamera + "/2022-02-18 14:00:05.000000");
+  EXPECT_EQ(answer.at("moments").at(0).at("distance"), 0);
+  EXPECT_EQ(answer.at("compared"), 80);
+  EXPECT_EQ(answer.at("computed"), 80);
+  const RunResult text = run_engram({"similar", store_, moment_, "-k", "2"});
+  EXPECT_THAT(text.out, HasSubstr("2022-02-18 14:00:05.000000     0.000"));
+  EXPECT_THAT(text.out, HasSubstr("80 images had no code yet"));
+}
+
+TEST_F(SimilarCommand, KeepsCodesAndNightsMakeThem) {
+  EXPECT_EQ(found(run_engram({"similar", store_, moment_, "--keep", "--json"})).at("computed"), 0);
+  const RunResult night = run_engram({"consolidate", store_, "--representation", "video",
+                                      "--entity", kCamera, "--drop-raw", "--json"});
+  const Json report = found(night);
+  ASSERT_EQ(report.at("codes").size(), 1u);
+  // What was coded as it was recorded is not coded again.
+  EXPECT_EQ(report.at("codes").at(0).at("kept"), 80);
+  EXPECT_EQ(report.at("codes").at(0).at("coded"), 0);
+  const Json answer = found(run_engram({"similar", store_, moment_, "--elsewhere", "--json"}));
+  EXPECT_EQ(answer.at("computed"), 0);
+  EXPECT_EQ(answer.at("moments").at(0).at("id"), kCamera + "/2022-02-18 14:00:05.000000");
+  EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);
+}
+
+TEST_F(SimilarCommand, FindsAnImageAndDrawsWhatItFound) {
+  const std::string saved = directory_.path() / "saved";
+  EXPECT_EQ(
+      run_engram({"query", store_, kCamera + " @ 2022-02-18 13:00:05", "--save", saved}).exit_code,
+      0);
+  std::string image;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(saved))
+    if (entry.path().extension() == ".png") image = entry.path();
+  const std::string picture = directory_.path() / "found.png";
+  const Json answer = found(run_engram({"similar", store_, image, "--json", "--picture", picture}));
+  EXPECT_THAT(answer.at("moments").at(0).at("id").get<std::string>(), HasSubstr(":00:05.000000"));
+  EXPECT_GT(std::filesystem::file_size(picture), 1000u);
+  EXPECT_THAT(run_engram({"similar", store_, picture}).err, HasSubstr("found an image of"));
+}
+
+TEST_F(SimilarCommand, SaysWhatIsWrong) {
+  const auto refuses = [this](std::vector<std::string> arguments, int code, const char* why) {
+    arguments.insert(arguments.begin(), {"similar", store_});
+    const RunResult result = run_engram(arguments);
+    EXPECT_EQ(result.exit_code, code) << result.err;
+    EXPECT_THAT(result.err, HasSubstr(why));
+  };
+  refuses({kCamera + "/2022-02-18 13:00:05.1"}, kFailed, "the moment before it is");
+  refuses({"Vision/RGB/head/other"}, kFailed, "Vision/RGB/head/other");
+  refuses({"Vision/RGB"}, kWrongUsage, "needs a moment, an entity or an image file");
+  refuses({"missing.png"}, kFailed, "missing.png");
+  refuses({moment_, "Vision @ sometimes"}, kWrongUsage, "sometimes");
+  refuses({moment_, "RobotState @ all"}, kFailed, "selects nothing of");
+  refuses({moment_, "--with", kJoints + "=much"}, kWrongUsage, "'much' is no number");
+  refuses({moment_, "--with", kJoints + "=0"}, kFailed, "must be above 0");
+  refuses({moment_, "--entity", kJoints}, kWrongUsage, "is for images");
+  refuses({moment_, "--context", "-1s"}, kWrongUsage, "");
+}
+
+}  // namespace
+}  // namespace engram::cli
