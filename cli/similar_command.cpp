@@ -90,6 +90,8 @@ Result<ltm::SimilarRequest> request_of(const SimilarArguments& arguments) {
   request.count = arguments.count;
   ENGRAM_ASSIGN_OR_RETURN(request.apart, parse_duration(arguments.apart));
   ENGRAM_ASSIGN_OR_RETURN(request.context, parse_duration(arguments.context));
+  if (request.apart < Duration::zero() || request.context < Duration::zero())
+    return invalid_argument("--apart and --context must not be negative");
   request.is_one_per_recording = arguments.is_one_per_recording;
   request.is_elsewhere = arguments.is_elsewhere;
   request.takes_any_size = arguments.takes_any_size;

@@ -54,15 +54,15 @@ Result<std::vector<bool>> selected(StorePast& past, const SimilarRequest& reques
   if (queries.empty())
     return invalid_argument("the query '{}' selects nothing of '{}', whose moments are searched",
                             request.among->to_string(), request.entity.to_string());
-  ENGRAM_ASSIGN_OR_RETURN(const auto moments, SelectedMoments::create(queries, *entity));
-  std::optional<Time> last;
-  while (true) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto next, moments.after(last, *entity));
-    if (!next) return is_selected;
-    last = next->time;
-    if (const auto at = coded.at_or_before(*last); at && coded.times[*at] == *last)
-      is_selected[*at] = true;
+  for (const SnapshotQuery& query : queries) {
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, *entity));
+    if (!selection.snapshots) continue;  // Nothing, or a prediction.
+    const auto first = std::ranges::lower_bound(coded.times, selection.snapshots->first);
+    const auto end = std::ranges::upper_bound(coded.times, selection.snapshots->last);
+    std::fill(is_selected.begin() + (first - coded.times.begin()),
+              is_selected.begin() + (end - coded.times.begin()), true);
   }
+  return is_selected;
 }
 
 /// Adds the weighted distances of another entity; moments that it has nothing for are out.

@@ -93,7 +93,7 @@ TEST_F(SimilarCommand, SaysWhatIsWrong) {
   refuses({moment_, "--with", kJoints + "=much"}, kWrongUsage, "'much' is no number");
   refuses({moment_, "--with", kJoints + "=0"}, kFailed, "must be above 0");
   refuses({moment_, "--entity", kJoints}, kWrongUsage, "is for images");
-  refuses({moment_, "--context", "-1s"}, kWrongUsage, "");
+  refuses({moment_, "--context", "-1s"}, kWrongUsage, "must not be negative");
 }
 
 }  // namespace
