@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from engram.entity import Entity
     from engram.errors import EngramError
     from engram.jobs import check, consolidate, forget
+    from engram.likeness import Similar, SimilarMoment
     from engram.memory import Memory, connect, open  # noqa: A004
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
