@@ -213,7 +213,7 @@ hostile: build
 recall-bars: build
 	@cmake/install_packages.sh experiments/packages.txt
 	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
-	  /usr/bin/python3 -m experiments.recall $(BARS)
+	  /usr/bin/python3 -m experiments.recall --recordings "$(RECORDINGS)/g1" $(BARS)
 
 many-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m experiments.many --engram build/release/bin/engram \

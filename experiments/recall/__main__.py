@@ -7,9 +7,8 @@ group in which a skill is running, the nearest moment of another recording of th
 for. It counts as found if the same skill runs there at the same place ("pick at the counter": seven
 phases). All methods choose among the same moments: those of the group in which a skill runs.
 
-Thumbnails have 16 x 16 pixels and are compared by the sum of squared differences; once alone, and
-once at their best: with what came before, and with the mean of their recording taken off, as codes
-are compared.
+Thumbnails have 16 x 16 pixels and are compared by the sum of squared differences; alone, with what
+came before as codes are compared, and with the mean of their recording taken off, too.
 """
 from __future__ import annotations
 
@@ -24,6 +23,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from experiments.recall import joints
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CAMERA = "Vision/RGB/head/stereo"
 JOINTS = "RobotState/Proprioception/robot/joints"
@@ -31,7 +32,7 @@ LAGS = (0, 0.2, 0.6, 1.0, 2.0)  #: Seconds before a moment, as the context of co
 EXAMPLES = """Examples:
   python3 -m experiments.recall                            23 recordings of a minute, half an hour
   python3 -m experiments.recall --learned 1..4 --asked 5..8 --seconds 30 --work /tmp/recall
-  python3 -m experiments.recall --json recall.json         the figures, too
+  python3 -m experiments.recall --recordings ../shared/data/g1 --json recall.json
 
 Exit code: 0 where likeness makes at most half of the errors of thumbnails, 1 where it does not or
 something failed.
@@ -51,6 +52,8 @@ def arguments_of(words: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--seconds", type=float, default=60, help="of each recording (60)")
     parser.add_argument("--work", type=pathlib.Path, default=ROOT / "build/recall",
                         help="folder of the store, which is used again (build/recall)")
+    parser.add_argument("--recordings", type=pathlib.Path,
+                        help="a folder of real recordings (../shared/data/g1); none without it")
     parser.add_argument("--json", type=pathlib.Path, help="all figures")
     return parser.parse_args(words)
 
@@ -136,20 +139,20 @@ def before(asked: Asked, lag: float) -> npt.NDArray[np.int64]:
     return np.maximum(index, first)
 
 
-def thumbnail_answers(asked: Asked, is_best: bool) -> npt.NDArray[np.int64]:
-    features = asked.thumbnails
-    if is_best:
-        features = features.copy()
+def thumbnail_answers(asked: Asked, has_context: bool, is_centred: bool) -> npt.NDArray[np.int64]:
+    features = asked.thumbnails.copy()
+    if is_centred:
         for recording in np.unique(asked.recordings):
             own = asked.recordings == recording
             features[own] -= features[own].mean(axis=0)
+    if has_context:
         features = np.concatenate([features[before(asked, lag)] for lag in LAGS], axis=1)
     squares = (features**2).sum(axis=1)
     answers = []
     for one in asked.questions:
         others = asked.others(one)
-        distances = squares[others] - 2 * features[others] @ features[one]
-        answers.append(others[np.argmin(distances)])
+        distances = squares - 2 * features @ features[one]
+        answers.append(others[np.argmin(distances[others])])
     return np.array(answers)
 
 
@@ -165,14 +168,14 @@ def code_answers(memory: Any, asked: Asked, **options: Any) -> npt.NDArray[np.in
 
 def measure(memory: Any, asked: Asked) -> dict[str, float]:
     shares = {"random": random_share(asked)}
-    shares["thumbnails"] = asked.share_found(thumbnail_answers(asked, False))
-    shares["thumbnails, with context and centred"] = asked.share_found(
-        thumbnail_answers(asked, True))
+    shares["thumbnails"] = asked.share_found(thumbnail_answers(asked, False, False))
+    shares["thumbnails, with context"] = asked.share_found(thumbnail_answers(asked, True, False))
+    shares["thumbnails, with context, centred"] = asked.share_found(
+        thumbnail_answers(asked, True, True))
     shares["codes, the image alone"] = asked.share_found(code_answers(memory, asked, context=0))
     shares["codes"] = asked.share_found(code_answers(memory, asked))
     shares["codes, joints beside them"] = asked.share_found(
         code_answers(memory, asked, beside={JOINTS: 0.5}))
-    shares["joints"] = asked.share_found(code_answers(memory, asked, beside={JOINTS: 1e9}))
     return shares
 
 
@@ -200,9 +203,18 @@ def main() -> int:
               f"{(1 - share) / errors:.2f} of those of thumbnails")
     is_reached = 1 - shares["codes"] <= errors / 2
     print("bar: half of the errors of thumbnails:", "reached" if is_reached else "missed")
+    distances = {}
+    if given.recordings:
+        real = given.work / "recordings.engram"
+        joints.record(given.engram, given.recordings, real)
+        with engram.open(str(real)) as memory:
+            distances = joints.measure(memory)
+        print("joints of what is found in another recording, standardised, are so far apart:")
+        for name, distance in distances.items():
+            print(f"  {name:40} {distance:.3f}")
     if given.json:
-        given.json.write_text(json.dumps({"questions": len(asked.questions), "found": shares},
-                                         indent=1))
+        given.json.write_text(json.dumps({"questions": len(asked.questions), "found": shares,
+                                          "joints": distances}, indent=1))
     return 0 if is_reached else 1
 
 

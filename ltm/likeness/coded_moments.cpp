@@ -243,20 +243,6 @@ std::vector<double> CodedMoments::square_distances(std::span<const float> from) 
   return squares;
 }
 
-void CodedMoments::centre_recordings() {
-  constexpr double kUsualMoments = 30;
-  for (const Sequence& recording : recordings) {
-    const auto count = static_cast<double>(recording.size());
-    const double share = count / (count + kUsualMoments);
-    std::vector<double> mean(numbers, 0.0);
-    for (size_t i = recording.first; i < recording.end; ++i)
-      for (size_t j = 0; j < numbers; ++j) mean[j] += codes[i * numbers + j] / count;
-    for (size_t i = recording.first; i < recording.end; ++i)
-      for (size_t j = 0; j < numbers; ++j)
-        codes[i * numbers + j] -= static_cast<float>(share * mean[j]);
-  }
-}
-
 Result<CodedMoments> code_moments(StorePast& past, const MemoryId& entity,
                                   const ProgressSink& progress, const std::stop_token& stop) {
   ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(past, entity));

@@ -52,10 +52,6 @@ struct CodedMoments {
   [[nodiscard]] std::vector<double> square_distances(size_t moment, Duration context) const;
   /// The same from a code of this space, without what came before. Shape: code [K].
   [[nodiscard]] std::vector<double> square_distances(std::span<const float> code) const;
-
-  /// Takes from each code what is common to its recording. The means of short recordings say less
-  /// and are taken off in part.
-  void centre_recordings();
 };
 
 /// Codes of images come from the indexes of segments, and are computed where they are not stored;

@@ -153,17 +153,15 @@ Status SimilarRequest::validate() const {
 }
 
 Result<std::shared_ptr<const CodedMoments>> LikenessSearch::coded(const MemoryId& entity,
-                                                                  bool is_centred,
                                                                   const ProgressSink& progress,
                                                                   const std::stop_token& stop) {
   // Codes of a million images take a tenth of a gigabyte.
   constexpr size_t kMaxKept = 8;
-  const std::pair key(entity, is_centred);
-  if (const auto found = kept_.find(key); found != kept_.end()) return found->second;
+  if (const auto found = kept_.find(entity); found != kept_.end()) return found->second;
   ENGRAM_ASSIGN_OR_RETURN(CodedMoments coded, code_moments(past_, entity, progress, stop));
-  if (is_centred && coded.coded_by == CodedBy::kImages) coded.centre_recordings();
   if (kept_.size() >= kMaxKept) kept_.clear();
-  return kept_.emplace(key, std::make_shared<const CodedMoments>(std::move(coded))).first->second;
+  return kept_.emplace(entity, std::make_shared<const CodedMoments>(std::move(coded)))
+      .first->second;
 }
 
 Result<std::vector<double>> LikenessSearch::distances(const SimilarRequest& request,
@@ -176,9 +174,7 @@ Result<std::vector<double>> LikenessSearch::distances(const SimilarRequest& requ
   auto squares = coded.square_distances(moment, request.context);
   double weights = 1;
   for (const SimilarPart& one : request.with) {
-    ENGRAM_ASSIGN_OR_RETURN(
-        const auto part,
-        this->coded(one.entity, request.context > Duration::zero(), progress, stop));
+    ENGRAM_ASSIGN_OR_RETURN(const auto part, this->coded(one.entity, progress, stop));
     const auto at = part->at_or_before(*request.moment);
     if (!at)
       return not_found("'{}': has nothing to compare at or before {}", one.entity.to_string(),
@@ -196,9 +192,7 @@ Result<SimilarAnswer> LikenessSearch::find(const SimilarRequest& request,
                                            const ProgressSink& progress,
                                            const std::stop_token& stop) {
   ENGRAM_RETURN_IF_ERROR(request.validate());
-  const bool is_centred = request.moment && request.context > Duration::zero();
-  ENGRAM_ASSIGN_OR_RETURN(const auto coded,
-                          this->coded(request.entity, is_centred, progress, stop));
+  ENGRAM_ASSIGN_OR_RETURN(const auto coded, this->coded(request.entity, progress, stop));
   SimilarAnswer answer{
       request.entity, name_of_space(*coded), coded->is_stored_space, 0, coded->computed, {}};
   ENGRAM_ASSIGN_OR_RETURN(auto squares, distances(request, *coded, answer, progress, stop));

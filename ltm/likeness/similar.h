@@ -34,7 +34,7 @@ class LikenessSearch {
                              const std::stop_token& stop = {});
 
  private:
-  Result<std::shared_ptr<const CodedMoments>> coded(const MemoryId& entity, bool is_centred,
+  Result<std::shared_ptr<const CodedMoments>> coded(const MemoryId& entity,
                                                     const ProgressSink& progress,
                                                     const std::stop_token& stop);
   Result<std::vector<double>> distances(const SimilarRequest& request, const CodedMoments& coded,
@@ -42,8 +42,7 @@ class LikenessSearch {
                                         const std::stop_token& stop);
 
   StorePast& past_;
-  /// By entity, and whether what is common to a recording was taken off.
-  std::map<std::pair<MemoryId, bool>, std::shared_ptr<const CodedMoments>> kept_;
+  std::map<MemoryId, std::shared_ptr<const CodedMoments>> kept_;
 };
 
 /// Answers what is like what in a store, as the store is at each question.
