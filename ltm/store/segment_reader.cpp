@@ -140,12 +140,37 @@ struct SegmentReader::State {
                                    place.rows);
   }
 
-  Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time) {
+  Result<PackedInstance> instance(const std::string& group, uint64_t row, Time time,
+                                  bool with_media) {
     PackedInstance result;
     ENGRAM_ASSIGN_OR_RETURN(result.metadata, metadata(group, row, time));
     ENGRAM_ASSIGN_OR_RETURN(result.value.rest, values.value(group, row));
-    ENGRAM_ASSIGN_OR_RETURN(result.value.media, media.media(group, row));
+    if (with_media) {
+      ENGRAM_ASSIGN_OR_RETURN(result.value.media, media.media(group, row));
+    }
     return result;
+  }
+
+  Result<PackedSnapshot> snapshot(const MemoryId& entity, const RowSpan& span, bool with_media) {
+    ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, place_of(entity));
+    if (span.rows > place->rows || span.first > place->rows - span.rows)
+      return source.broken(place->group,
+                           fmt::format("'{}' has {} rows, needs {} from {} on", entity.to_string(),
+                                       place->rows, span.rows, span.first));
+    PackedSnapshot snapshot;
+    snapshot.entity = entity;
+    snapshot.time = span.time;
+    const std::string figures = place->group + "/accounting";
+    const uint64_t first = place->first + span.first;
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes, accounting(figures + "/raw_bytes", first));
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped, accounting(figures + "/dropped", first));
+    ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped_bytes, accounting(figures + "/dropped_bytes", first));
+    for (uint64_t row = first; row < first + span.rows; ++row) {
+      ENGRAM_ASSIGN_OR_RETURN(PackedInstance read,
+                              instance(place->group, row, span.time, with_media));
+      snapshot.instances.push_back(std::move(read));
+    }
+    return snapshot;
   }
 
   /// Adds the entity of a group.
@@ -316,26 +341,11 @@ Result<std::optional<RowSpan>> SegmentReader::snapshot_at(const MemoryId& entity
 }
 
 Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, const RowSpan& span) {
-  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
-  if (span.rows > place->rows || span.first > place->rows - span.rows)
-    return state_->source.broken(
-        place->group, fmt::format("'{}' has {} rows, needs {} from {} on", entity.to_string(),
-                                  place->rows, span.rows, span.first));
-  PackedSnapshot snapshot;
-  snapshot.entity = entity;
-  snapshot.time = span.time;
-  const std::string accounting = place->group + "/accounting";
-  const uint64_t first = place->first + span.first;
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.raw_bytes, state_->accounting(accounting + "/raw_bytes", first));
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped, state_->accounting(accounting + "/dropped", first));
-  ENGRAM_ASSIGN_OR_RETURN(snapshot.dropped_bytes,
-                          state_->accounting(accounting + "/dropped_bytes", first));
-  for (uint64_t row = first; row < first + span.rows; ++row) {
-    ENGRAM_ASSIGN_OR_RETURN(PackedInstance instance,
-                            state_->instance(place->group, row, span.time));
-    snapshot.instances.push_back(std::move(instance));
-  }
-  return snapshot;
+  return state_->snapshot(entity, span, true);
+}
+
+Result<PackedSnapshot> SegmentReader::read_values(const MemoryId& entity, const RowSpan& span) {
+  return state_->snapshot(entity, span, false);
 }
 
 Result<std::vector<LatentQuality>> SegmentReader::read_qualities(const MemoryId& entity,

@@ -89,6 +89,8 @@ class SegmentReader {
 
   /// Errors: kNotFound, kDataLoss naming file, object and row.
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
+  /// The same without media: their places in the values are `none`.
+  Result<PackedSnapshot> read_values(const MemoryId& entity, const RowSpan& span);
   /// Rows of one block share a Buffer if they are read in order.
   Result<LatentSnapshot> read_latent(const MemoryId& entity, const RowSpan& span);
   /// How good the latents of each instance are, without their bytes.

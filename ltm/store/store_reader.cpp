@@ -303,6 +303,16 @@ Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity,
   return segment->read_recorded(entity, {entry.time, at.at, at.rows});
 }
 
+Result<PackedSnapshot> StoreReader::read_values(const MemoryId& entity,
+                                                const SnapshotEntry& entry) {
+  ENGRAM_CHECK(entry.recorded.has_value(), "'{}' has no recorded form",
+               entity.at(entry.time).to_string());
+  const SnapshotEntry::Location& at = *entry.recorded;
+  if (at.rows == 0) return read_packed(entity, entry);
+  ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(at.source));
+  return segment->read_values(entity, {entry.time, at.at, at.rows});
+}
+
 Result<StoredForms> StoreReader::forms(const MemoryId& entity, uint32_t segment) {
   ENGRAM_CHECK(segment < state_->manifest.segments.size(), "there is no segment {}", segment);
   ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, state_->segment(segment));

@@ -82,6 +82,9 @@ class StoreReader {
   /// Errors: kDataLoss naming the segment and the row.
   Result<PackedSnapshot> read_packed(const MemoryId& entity, const SnapshotEntry& entry);
 
+  /// The same for who needs no images: in segments, media are not read and missing from the result.
+  Result<PackedSnapshot> read_values(const MemoryId& entity, const SnapshotEntry& entry);
+
   /// How the entity is stored in a recorded segment. `segment` is an index into the manifest's
   /// segments (checked).
   /// Errors: kNotFound, kDataLoss.

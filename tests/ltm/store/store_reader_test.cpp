@@ -52,6 +52,27 @@ TEST_F(StoreReaderTest, SeesOneGenerationOfTheStore) {
   EXPECT_EQ(found->size(), 1u);
 }
 
+TEST_F(StoreReaderTest, ReadsValuesWithoutTheirImages) {
+  const auto writer = *StoreWriter::open(store_, {});
+  Snapshot snapshot = example_snapshot(example_entity(), 0);
+  snapshot.instances[0].data =
+      idf::Dict{{"image", example_image(16, 16, 3, 1)}, {"number", int64_t{7}}};
+  ASSERT_OK(writer->append({pack_snapshot(snapshot)}, nullptr));
+  ASSERT_OK(writer->seal());
+  const auto reader = *StoreReader::open(store_);
+  const auto index = reader->index(example_entity());
+  ASSERT_OK(index);
+  const auto whole = reader->read_packed(example_entity(), (*index)->front());
+  const auto values = reader->read_values(example_entity(), (*index)->front());
+  ASSERT_OK(whole);
+  ASSERT_OK(values);
+  ASSERT_EQ(values->instances.size(), whole->instances.size());
+  EXPECT_FALSE(whole->instances[0].value.media.empty());
+  EXPECT_TRUE(values->instances[0].value.media.empty());
+  EXPECT_EQ(values->instances[0].value.rest, whole->instances[0].value.rest);
+  EXPECT_EQ(values->instances[0].metadata, whole->instances[0].metadata);
+}
+
 TEST_F(StoreReaderTest, SumsUpSealedAndUnsealedSnapshots) {
   const auto writer = *StoreWriter::open(store_, {});
   uint64_t raw_bytes = 0, journal_bytes = 0;
