@@ -43,6 +43,7 @@ void add_compact_command(CLI::App& app, ExitCode& exit_code);
 void add_simulate_command(CLI::App& app, ExitCode& exit_code);
 void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);
+void add_reflect_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 
 /// Adds serve, mns, commit, watch and audit; nothing in a program that is built without servers.

@@ -101,6 +101,7 @@ struct Program {
     add_ls_command(app, exit_code);
     add_query_command(app, exit_code);
     add_similar_command(app, exit_code);
+    add_reflect_command(app, exit_code);
     add_export_command(app, exit_code);
     if (learning != nullptr) learning->add_eval_command(app, exit_code);
     add_predict_command(app, exit_code);
@@ -126,7 +127,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 12> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 13> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -137,6 +138,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 12> kInterruptNot
     {"import", "what was acknowledged is in the store"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
+    {"reflect", "nothing is recorded, or all of it"},
     {"simulate", "what was acknowledged is in the store"},
     {"vault", "a key is destroyed or as before; the same command goes on"},
 }};
