@@ -5,12 +5,15 @@
 
 #include "encoders/load_model.h"
 #include "ltm/forgetting/forget_config.h"
+#include "ltm/reflection/record_reflection.h"
+#include "ltm/reflection/reflect.h"
 #include "ltm/store/store_check.h"
 #include "python/bindings/python_progress.h"
 #include "reports/consolidate_text.h"
 #include "reports/plain/findings.h"
 #include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
+#include "reports/plain/reflection_text.h"
 #include "training/fade/erase.h"
 #include "training/fade/fade.h"
 #include "training/night/consolidate.h"
@@ -89,6 +92,24 @@ std::string check(const std::string& store, bool is_deep, const py::object& prog
   const ltm::CheckReport report =
       told.run([&] { return ltm::check_store(store, options, told.sink(), told.stop()); });
   return reports::check_json(report, store).dump();
+}
+
+std::string reflect(const std::string& store, const std::string& query, const std::string& against,
+                    bool with_images, bool commits, const py::object& progress) {
+  PythonProgress told(progress);
+  ltm::ReflectOptions options = value_or_raise(ltm::reflect_options(query));
+  options.with_images = with_images;
+  const auto look = [&](const std::filesystem::path& at) {
+    return told.run([&] { return ltm::reflect(at, options, told.sink(), told.stop()); });
+  };
+  const ltm::Reflection found = look(store);
+  reports::Json json = reports::reflection_json(found);
+  if (!against.empty())
+    json["differences"] = reports::differences_json(ltm::compare_reflections(found, look(against)));
+  if (commits)
+    if (const Status recorded = ltm::record_reflection(store, found); !recorded.ok())
+      raise(recorded);
+  return json.dump();
 }
 
 std::string forget(const std::string& store, const std::vector<std::string>& targets,

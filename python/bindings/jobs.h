@@ -17,6 +17,11 @@ namespace engram::python {
 /// Checks a store; returns the report of `engram check --json`.
 std::string check(const std::string& store, bool is_deep, const pybind11::object& progress);
 
+/// Reflects on a store; returns the report of `engram reflect --json`. `query` and `against` may be
+/// empty. `commits` records what was found into the store.
+std::string reflect(const std::string& store, const std::string& query, const std::string& against,
+                    bool with_images, bool commits, const pybind11::object& progress);
+
 /// Forgets snapshots; returns the report of `engram forget --json`. `config` is a file, or empty.
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
                    const std::string& config, bool is_dry_run, bool erases,

@@ -110,6 +110,7 @@ PYBIND11_MODULE(_core, module) {
       .def("global_codes", &InspectedModel::global_codes)
       .def("predict", &InspectedModel::predict);
   module.def("check", &engram::python::check);
+  module.def("reflect", &engram::python::reflect);
   module.def("forget", &engram::python::forget);
   module.def("consolidate", &engram::python::consolidate);
   module.def("set_threads", &engram::encoders::set_threads);

@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from engram.entity import Entity
     from engram.errors import EngramError
-    from engram.jobs import check, consolidate, forget
+    from engram.jobs import check, consolidate, forget, reflect
     from engram.likeness import Similar, SimilarMoment
     from engram.memory import Memory, connect, open  # noqa: A004
     from engram.model import Latents, Model, Prediction
@@ -65,6 +65,7 @@ _PLACES = {
     "forget": "engram.jobs",
     "open": "engram.memory",
     "record": "engram.recording",
+    "reflect": "engram.jobs",
 }
 
 __all__ = [
@@ -93,6 +94,7 @@ __all__ = [
     "forget",
     "open",
     "record",
+    "reflect",
 ]
 
 # OpenMP reads it when it is loaded: its threads spin only shortly where they wait, else they starve

@@ -96,6 +96,14 @@ class InspectedModel:
     def predict(self, past: list[Any], steps: int) -> list[dict[str, Any]]: ...
 
 def check(store: str, is_deep: bool, progress: Callable[..., None] | None) -> str: ...
+def reflect(
+    store: str,
+    query: str,
+    against: str,
+    with_images: bool,
+    commits: bool,
+    progress: Callable[..., None] | None,
+) -> str: ...
 def forget(
     store: str,
     targets: list[str],

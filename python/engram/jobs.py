@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is done to a whole store: consolidate, forget, check.
+"""What is done to a whole store: consolidate, forget, check, reflect.
 
 Each takes a path or an open Memory, which then sees what came of it, and gives the report that the
 command of the same name prints with `--json`. Ctrl-C, or an exception of `progress`, stops it: all
@@ -139,6 +139,32 @@ def check(store: StoreLike, *, deep: bool = False, progress: ProgressLike = None
         return dict(json.loads(_core.check(_path_of(store), deep, tell)))
     finally:
         finish()
+
+
+def reflect(
+    store: StoreLike,
+    query: str = "",
+    *,
+    against: str | os.PathLike[str] | None = None,
+    images: bool = False,
+    commit: bool = False,
+    progress: ProgressLike = None,
+) -> Report:
+    """Looks for what is odd in a store: "findings"; and says what is usual: "entities", "skills",
+    "chains" of failures.
+
+    `query`: what is looked at, without `@` all snapshots of it. `against`: a store to compare
+    with; adds "differences". `images`: do they stand still, too. `commit`: records what was found
+    into the store, where it can be asked about: "Reflection @ latest".
+    Raises NotFoundError, InvalidArgumentError, FailedPreconditionError, KeyboardInterrupt.
+    """
+    tell, finish = sink_of(progress)
+    other = "" if against is None else os.fspath(against)
+    try:
+        report = _core.reflect(_path_of(store), query, other, images, commit, tell)
+    finally:
+        finish()
+    return _conclude(store, report)
 
 
 def _path_of(store: StoreLike) -> str:
