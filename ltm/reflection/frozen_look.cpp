@@ -16,6 +16,8 @@ constexpr size_t kMinFrozenRows = 24;  ///< Rows that are needed to say what is 
 constexpr double kChangingShare = 0.05;
 /// Rows that stand still, and are not only the same value twice.
 constexpr size_t kFrozenRun = 5;
+/// Share of copies up to which they are worth telling.
+constexpr double kCopiedShare = 0.2;
 /// Snapshots that come again one after the other, while there was motion.
 constexpr size_t kCopiedRun = 3;
 /// Motion, as a share of the usual one.
@@ -117,13 +119,19 @@ class FrozenLook {
     look_for_copies(motion);
   }
 
+  /// Snapshots that are the same in everything, their times and links included.
   void look_at_events() {
     if (!block_.has_identity || block_.rows() < 2) return;
     entity_.looked_at.insert(ReflectionKind::kDuplicate);
     std::unordered_map<uint64_t, size_t> met;
+    std::vector<std::pair<size_t, size_t>> copies;
     for (size_t i = 0; i < block_.rows(); ++i)
       if (const auto [known, is_new] = met.emplace(block_.full_hashes[i], i); !is_new)
-        add_copy(known->second, i, i);
+        copies.emplace_back(known->second, i);
+    // What says the same all the time means to.
+    if (static_cast<double>(copies.size()) > kCopiedShare * static_cast<double>(block_.rows()))
+      return;
+    for (const auto& [original, copy] : copies) add_copy(original, copy, copy);
   }
 
   void look_at_images() {
@@ -246,7 +254,8 @@ class FrozenLook {
 
 void look_at_frozen(const SeriesBlock& block, EntityReflection& entity, FindingList& findings) {
   FrozenLook look(block, entity, findings);
-  if (!block.is_periodic) return look.look_at_events();
+  look.look_at_events();
+  if (!block.is_periodic) return;
   look.look_at_images();
   if (block.rows() >= kMinFrozenRows && !block.numbers.empty()) look.look_at_values();
 }

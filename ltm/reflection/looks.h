@@ -56,6 +56,7 @@ struct PossibleJump {
   double speed = 0;
   double fast = 0;          ///< The largest usual speed of its element.
   bool needs_pool = false;  ///< Its element moves too seldom to say what is usual.
+  bool is_large = false;    ///< The step is a large part of the values.
 };
 
 /// A member of a block and the one that is its change over time: positions and velocities.

@@ -14,6 +14,10 @@ namespace engram::ltm {
 namespace {
 
 constexpr size_t kMinMotionRows = 12;
+/// Steps below this share of the size of a member are rounding and settling.
+constexpr double kNoiseShare = 1e-4;
+/// The same where nothing of the provider segment moves, so that nobody knows what is fast.
+constexpr double kUnknownShare = 5e-2;
 /// A spike goes away and back faster than so many of the largest usual speeds.
 constexpr double kSpikeSpeeds = 1.0;
 /// A jump is a step of more than so many of the largest usual speeds, and of its neighbours'.
@@ -111,6 +115,7 @@ class MotionLook {
   void look_at(const NumberColumn& column, bool may_not_jump) {
     MemberReflection& member = member_of(column);
     member.is_motion = true;
+    size_ = size_of(column);
     for (size_t k = 0; k < column.width; ++k) {
       const ElementMotion motion(block_, column, k);
       if (motion.moving() == 0) continue;
@@ -119,7 +124,8 @@ class MotionLook {
       member.jerk = std::max(member.jerk, motion.jerk());
       if (may_not_jump) find_jumps(motion, column, k);
       note_motion(motion, column, k, may_not_jump);
-      if (motion.moving() < kSomeMoving) continue;
+      if (motion.moving() < kSomeMoving || motion.fast() * block_.step_s <= kNoiseShare * size_)
+        continue;
       double& pooled = pool_[{block_.entity.parent(), column.path}];
       pooled = std::max(pooled, motion.fast());
     }
@@ -162,6 +168,14 @@ class MotionLook {
   }
 
  private:
+  /// How large the numbers of a member are.
+  static double size_of(const NumberColumn& column) {
+    std::vector<double> sizes = spread_sample(column.values);
+    std::erase_if(sizes, [](double value) { return !std::isfinite(value); });
+    for (double& value : sizes) value = std::abs(value);
+    return quantile(std::move(sizes), 0.95);
+  }
+
   MemberReflection& member_of(const NumberColumn& column) {
     for (MemberReflection& known : entity_.members)
       if (known.path == column.path) return known;
@@ -200,21 +214,24 @@ class MotionLook {
     const double fast = motion.fast();
     for (size_t i = 1; i < v.size(); ++i) {
       const double now = std::abs(v[i]);
-      if (now <= kSpikeSpeeds * fast || now == 0) continue;
+      const double step =
+          now * std::max(1e-9 * static_cast<double>(motion.time(i) - motion.time(i - 1)),
+                         0.3 * block_.step_s);
+      if (now <= kSpikeSpeeds * fast || step <= kNoiseShare * size_) continue;
       const double before = i > 1 ? std::abs(v[i - 1]) : 0;
       const double after = i + 1 < v.size() ? std::abs(v[i + 1]) : 0;
       if (i + 1 < v.size() && v[i] * v[i + 1] < 0 && after > kSpikeSpeeds * fast &&
           std::min(now, after) > 0.5 * std::max(now, after)) {
-        add(ReflectionKind::kSpike, motion, column, element, i, std::min(now, after));
+        add(ReflectionKind::kSpike, motion, column, element, i, std::min(now, after), step);
         ++i;
       } else if (now > kJumpSpeeds * fast && now > kJumpNeighbours * std::max(before, after)) {
-        add(ReflectionKind::kJump, motion, column, element, i, now);
+        add(ReflectionKind::kJump, motion, column, element, i, now, step);
       }
     }
   }
 
   void add(ReflectionKind kind, const ElementMotion& motion, const NumberColumn& column,
-           size_t element, size_t i, double speed) {
+           size_t element, size_t i, double speed, double step) {
     constexpr size_t kMaxJumps = 100'000;
     if (jumps_.size() >= kMaxJumps) return;
     const size_t first = kind == ReflectionKind::kSpike ? i : i - 1;
@@ -229,14 +246,15 @@ class MotionLook {
                                 column.at(i, element), unit,
                                 1e-9 * static_cast<double>(motion.time(i) - motion.time(i - 1)),
                                 kind == ReflectionKind::kSpike ? " and back" : "");
-    jumps_.push_back(
-        {std::move(finding), column.path, speed, motion.fast(), motion.moving() < kManyMoving});
+    jumps_.push_back({std::move(finding), column.path, speed, motion.fast(),
+                      motion.moving() < kManyMoving, step > kUnknownShare * size_});
   }
 
   const SeriesBlock& block_;
   EntityReflection& entity_;
   SpeedPool& pool_;
   std::vector<PossibleJump>& jumps_;
+  double size_ = 0;  ///< Of the member that is looked at.
   std::vector<bool> moved_;
   std::vector<MovingElement> moving_;
 };
@@ -267,7 +285,8 @@ void judge_jumps(const SpeedPool& pool, std::vector<PossibleJump>& jumps, Findin
     const double pooled = known == pool.end() ? 0 : known->second;
     const double fast = jump.needs_pool ? std::max(jump.fast, pooled) : jump.fast;
     const bool is_spike = jump.finding.kind == ReflectionKind::kSpike;
-    // An entity that never moves but for this step has no other measure than the step itself.
+    // An entity that never moves but for this step has no other measure than its own size.
+    if (jump.needs_pool && pooled <= 0 && !jump.is_large) continue;
     if (jump.speed < (is_spike ? kSpikeSpeeds : kJumpSpeeds) * fast) continue;
     jump.finding.expected = fmt::format("max {:.3g} in a second", fast);
     found[{jump.finding.entity, jump.member, jump.finding.kind, jump.finding.first}].push_back(

@@ -10,7 +10,7 @@ namespace engram::ltm {
 namespace {
 
 /// Snapshots that are needed to say what is usual.
-constexpr size_t kMinSnapshots = 12;
+constexpr size_t kMinSnapshots = 20;
 /// Share of steps that lie near the median where a rate is steady.
 constexpr double kSteadyShare = 0.7;
 /// How near, as a share of the median.

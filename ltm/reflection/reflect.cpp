@@ -45,7 +45,7 @@ class Reflector {
     EntityReflection entity;
     std::vector<TimeSpan> spans;
     std::vector<int64_t> times;
-    bool has_actions = false;
+    std::optional<idf::Type> type;  ///< Of its values.
   };
 
   Status find_entities() {
@@ -55,6 +55,7 @@ class Reflector {
       if (!is_asked) continue;
       Looked looked;
       looked.entity.id = id;
+      if (const idf::Type* type = store_.manifest().types.of_entity(id)) looked.type = *type;
       ENGRAM_RETURN_IF_ERROR(read_times(looked));
       total_ += looked.times.size();
       entities_.push_back(std::move(looked));
@@ -152,8 +153,7 @@ class Reflector {
       SeriesReader& reader = readers[at];
       ENGRAM_RETURN_IF_ERROR(
           reader.add(entry.time, instance.metadata.arrived, instance.value.rest));
-      looked.has_actions =
-          actions_.add(id, entry.time, instance.value.rest, type_of(id)) || looked.has_actions;
+      actions_.add(id, entry.time, instance.value.rest, looked.type);
       if (options_.with_images) add_images(instance, reader);
       held += reader.held();
     }
@@ -162,15 +162,10 @@ class Reflector {
     return {};
   }
 
-  std::optional<idf::Type> type_of(const MemoryId& entity) const {
-    const idf::Type* type = store_.manifest().types.of_entity(entity);
-    return type == nullptr ? std::nullopt : std::optional(*type);
-  }
-
   void add_reader(const Looked& looked, std::vector<SeriesReader>& readers) {
     readers.emplace_back(SeriesBlock{looked.entity.id, static_cast<int32_t>(readers.size()),
                                      looked.entity.is_periodic, looked.entity.median_step_s},
-                         type_of(looked.entity.id), targets_);
+                         looked.type, targets_);
   }
 
   /// Equal images have equal bytes, if each is stored for itself. Those of a video share their

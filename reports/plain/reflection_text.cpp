@@ -82,6 +82,10 @@ Json json_of(const ltm::SkillReflection& skill) {
   return {{"skill", skill.skill}, {"unfinished", skill.unfinished}, {"rates", std::move(rates)}};
 }
 
+std::string counted(uint64_t count, const char* one, const char* several) {
+  return fmt::format("{} {}", count_text(count), count == 1 ? one : several);
+}
+
 /// "08:00:05.46 to 08:00:05.75", with the day and fewer digits where a span is long.
 std::string span_text(Time first, Time last) {
   const std::string from = to_string(first), to = to_string(last);
@@ -221,10 +225,11 @@ void print_reflection(const ltm::Reflection& reflection, const ReflectionTextOpt
   if (reflection.untold > 0)
     print(fmt::format("{} further findings repeat these and are not told.",
                       count_text(reflection.untold)));
-  print(fmt::format("{}: {} faults and {} notes in {} snapshots of {} entities.",
-                    printable(reflection.store), reflection.count(ltm::Severity::kFault),
-                    reflection.count(ltm::Severity::kNote), count_text(reflection.snapshots),
-                    reflection.entities.size()));
+  print(fmt::format("{}: {} and {} in {} of {}.", printable(reflection.store),
+                    counted(reflection.count(ltm::Severity::kFault), "fault", "faults"),
+                    counted(reflection.count(ltm::Severity::kNote), "note", "notes"),
+                    counted(reflection.snapshots, "snapshot", "snapshots"),
+                    counted(reflection.entities.size(), "entity", "entities")));
 }
 
 void print_differences(const std::vector<ltm::ReflectionDifference>& differences,
