@@ -42,13 +42,8 @@ bool FindingList::has(ReflectionKind kind, const MemoryId& entity, Time first, T
 std::vector<ReflectionFinding> FindingList::take(uint64_t& untold) {
   std::vector<ReflectionFinding> all;
   for (auto& known : found_ | std::views::values) std::ranges::move(known, std::back_inserter(all));
-  const auto order = [](const ReflectionFinding& finding) {
-    return std::tuple(finding.severity == Severity::kNote, std::cref(finding.entity), finding.first,
-                      finding.kind);
-  };
-  std::ranges::stable_sort(all, [&order](const auto& a, const auto& b) {
-    const auto one = order(a), other = order(b);
-    if (std::get<0>(one) != std::get<0>(other)) return std::get<0>(one) < std::get<0>(other);
+  std::ranges::stable_sort(all, [](const ReflectionFinding& a, const ReflectionFinding& b) {
+    if (a.severity != b.severity) return a.severity == Severity::kFault;
     if (a.entity != b.entity) return a.entity < b.entity;
     return std::tuple(a.first, a.kind) < std::tuple(b.first, b.kind);
   });

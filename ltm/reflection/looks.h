@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "ltm/reflection/finding_list.h"
-#include "ltm/reflection/link_targets.h"
 #include "ltm/reflection/reflection.h"
 #include "ltm/reflection/series_block.h"
 
@@ -24,6 +23,9 @@ struct PossibleGap {
   uint64_t missing = 0;
   double usual_s = 0;
 };
+
+/// Max number of possible gaps of all entities.
+inline constexpr size_t kMaxPossibleGaps = 100'000;
 
 /// Rates of an entity and its gaps. Sets what `entity` says of time.
 void look_at_rates(const std::vector<int64_t>& times, EntityReflection& entity,
@@ -75,6 +77,8 @@ struct EntityMotion {
     std::vector<float> speeds;  ///< One for each time; the first of a block is zero.
   };
   static constexpr size_t kMaxMotionElements = 24;
+  /// Hours at 100 Hz; it bounds memory.
+  static constexpr size_t kMaxMotionRows = size_t{1} << 20;
 
   std::vector<int64_t> times;
   std::vector<Element> elements;

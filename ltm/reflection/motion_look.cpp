@@ -193,7 +193,7 @@ class MotionLook {
 
   /// The first block decides which elements are kept.
   void keep_motion(EntityMotion& kept) {
-    if (block_.instance != 0) return;
+    if (block_.instance != 0 || kept.times.size() >= EntityMotion::kMaxMotionRows) return;
     if (kept.times.empty()) {
       std::ranges::stable_sort(moving_, std::greater(), &MovingElement::fast);
       for (const MovingElement& element : moving_)

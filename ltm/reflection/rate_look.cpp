@@ -68,6 +68,7 @@ class Steps {
   void find_gaps(std::vector<PossibleGap>& gaps) const {
     for (size_t i = 0; i < steps_.size(); ++i) {
       if (is_in_run_[i] || steps_[i] <= late_) continue;
+      if (gaps.size() >= kMaxPossibleGaps) return;
       const auto missing = static_cast<uint64_t>(std::max(0.0, std::round(steps_[i] / usual_) - 1));
       gaps.push_back({entity_.id, times_[i], times_[i + 1], missing, usual_});
     }
@@ -117,7 +118,7 @@ void look_at_events(const std::vector<int64_t>& times, EntityReflection& entity,
   const double low = quantile(sample, 0.25), high = quantile(sample, 0.75);
   const double limit = high + 4 * std::max(high - low, std::log(2.0));
   for (size_t i = 0; i < logs.size(); ++i)
-    if (logs[i] > limit)
+    if (logs[i] > limit && gaps.size() < kMaxPossibleGaps)
       gaps.push_back(
           {entity.id, times[i], times[i + 1], 0, std::exp(quantile(sample, 0.5)) * 1e-9});
 }

@@ -201,6 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
         {"predict", "STORE", "Vision/RGB/head/cam", "--compare"},
         {"models", "STORE"},
         {"check", "STORE", "--deep"},
+        {"reflect", "STORE", "--images"},
         {"eval", "STORE"},
         {"export", "STORE", "Vision @ all", "--to", "mp4", "-o", "NEW"},
         {"import", "--video", "VIDEO", "--entity", "Vision/RGB/other/cam", "STORE"},
