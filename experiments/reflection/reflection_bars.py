@@ -150,7 +150,7 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("engram", help="the program")
     parser.add_argument("python", help="the folder of the package")
-    parser.add_argument("--seeds", default="101..110", help="of the kitchens")
+    parser.add_argument("--seeds", default="111..116", help="of the kitchens")
     parser.add_argument("--kitchens", type=pathlib.Path, help="folder of recordings to use")
     parser.add_argument("--faults", type=int, default=200)
     parser.add_argument("--per-kitchen", type=int, default=8, help="faults in one copy")

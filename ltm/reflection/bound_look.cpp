@@ -32,7 +32,8 @@ void look_at_numbers(const SeriesBlock& block, const NumberColumn& column, Findi
     if (std::isfinite(value) && value >= low && value <= high) continue;
     const auto kind =
         std::isfinite(value) ? ReflectionKind::kOutOfBounds : ReflectionKind::kNotFinite;
-    auto finding = number_finding(block, kind, column, i / column.width, i % column.width);
+    auto finding =
+        number_finding(block, kind, column, i % column.rows.size(), i / column.rows.size());
     finding.expected = std::isfinite(value) ? needed : "a number";
     findings.add(std::move(finding));
   }
@@ -81,8 +82,10 @@ std::vector<DescribedLimits> find_limits(const SeriesBlock& block) {
   if (lower == nullptr || upper == nullptr || lower->width != upper->width || lower->width < 2)
     return {};
   const auto last = [](const NumberColumn& column) {
-    return std::vector<double>(column.values.end() - static_cast<ptrdiff_t>(column.width),
-                               column.values.end());
+    std::vector<double> values;
+    for (size_t k = 0; k < column.width; ++k)
+      values.push_back(column.at(column.rows.size() - 1, k));
+    return values;
   };
   return {{block.entity, last(*lower), last(*upper)}};
 }
@@ -97,8 +100,8 @@ void look_at_limits(const SeriesBlock& block, const std::vector<DescribedLimits>
       if (column.width != described.lower.size() || !is_position(column.path)) continue;
       // Limits of joints are soft, and encoders round.
       const auto is_within = [&](size_t i) {
-        const double low = described.lower[i % column.width],
-                     high = described.upper[i % column.width];
+        const double low = described.lower[i / column.rows.size()],
+                     high = described.upper[i / column.rows.size()];
         const double slack = kLimitSlack * (high - low);
         const double value = column.values[i];
         return !std::isfinite(value) || (value >= low - slack && value <= high + slack);
@@ -110,9 +113,9 @@ void look_at_limits(const SeriesBlock& block, const std::vector<DescribedLimits>
       entity.looked_at.insert(ReflectionKind::kOutOfBounds);
       for (size_t i = 0; i < column.values.size(); ++i) {
         if (is_within(i)) continue;
-        const size_t element = i % column.width;
-        auto finding =
-            number_finding(block, ReflectionKind::kOutOfBounds, column, i / column.width, element);
+        const size_t element = i / column.rows.size();
+        auto finding = number_finding(block, ReflectionKind::kOutOfBounds, column,
+                                      i % column.rows.size(), element);
         finding.expected = fmt::format("{:.6g} to {:.6g}, as {} says", described.lower[element],
                                        described.upper[element], described.description.to_string());
         findings.add(std::move(finding));

@@ -214,14 +214,18 @@ class MotionLook {
     const double fast = motion.fast();
     for (size_t i = 1; i < v.size(); ++i) {
       const double now = std::abs(v[i]);
-      const double step =
-          now * std::max(1e-9 * static_cast<double>(motion.time(i) - motion.time(i - 1)),
-                         0.3 * block_.step_s);
+      const auto step_at = [&](size_t at) {
+        const double dt = 1e-9 * static_cast<double>(motion.time(at) - motion.time(at - 1));
+        return std::abs(v[at]) * std::max(dt, 0.3 * block_.step_s);
+      };
+      const double step = step_at(i);
       if (now <= kSpikeSpeeds * fast || step <= kNoiseShare * size_) continue;
       const double before = i > 1 ? std::abs(v[i - 1]) : 0;
       const double after = i + 1 < v.size() ? std::abs(v[i + 1]) : 0;
-      if (i + 1 < v.size() && v[i] * v[i + 1] < 0 && after > kSpikeSpeeds * fast &&
-          std::min(now, after) > 0.5 * std::max(now, after)) {
+      // It comes back by as much as it went away, however long that took.
+      const double back = i + 1 < v.size() ? step_at(i + 1) : 0;
+      if (back > 0 && v[i] * v[i + 1] < 0 && after > kSpikeSpeeds * fast &&
+          std::min(step, back) > 0.5 * std::max(step, back)) {
         add(ReflectionKind::kSpike, motion, column, element, i, std::min(now, after), step);
         ++i;
       } else if (now > kJumpSpeeds * fast && now > kJumpNeighbours * std::max(before, after)) {

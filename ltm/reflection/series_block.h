@@ -15,7 +15,7 @@ namespace engram::ltm {
 
 /// A member of numbers: one number or an array in each row that has it.
 ///
-/// Shape: rows [N], values [N, width].
+/// Shape: rows [N], values [width, N], so that an element is read in the order of memory.
 struct NumberColumn {
   enum class Meaning : uint8_t {
     kQuantity,     ///< It may move.
@@ -32,7 +32,7 @@ struct NumberColumn {
   std::vector<double> values;
 
   [[nodiscard]] double at(size_t index, size_t element) const {
-    return values[index * width + element];
+    return values[element * rows.size() + index];
   }
   [[nodiscard]] bool is_discrete() const { return meaning == Meaning::kDiscrete; }
   /// "positions[3]", or the path alone where there is one element.

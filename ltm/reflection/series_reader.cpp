@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/reflection/series_reader.h"
 
+#include <algorithm>
 #include <bit>
 #include <string_view>
 #include <utility>
@@ -55,6 +56,20 @@ void append_all(const idf::NdArray& array, std::vector<double>& values) {
     case idf::ElementType::kFloat64:
       return append_elements<double>(array, values);
   }
+}
+
+/// Rows are read one after the other, elements are looked at one after the other.
+void order_by_element(NumberColumn& column) {
+  if (column.width == 1) return;
+  const size_t rows = column.rows.size();
+  std::vector<double> ordered(column.values.size());
+  // By tiles that stay in the cache.
+  constexpr size_t kTile = 64;
+  for (size_t first = 0; first < rows; first += kTile)
+    for (size_t k = 0; k < column.width; ++k)
+      for (size_t i = first; i < std::min(rows, first + kTile); ++i)
+        ordered[k * rows + i] = column.values[i * column.width + k];
+  column.values = std::move(ordered);
 }
 
 }  // namespace
@@ -250,7 +265,9 @@ SeriesBlock SeriesReader::take() {
                             {}});
   for (const LinkColumn& column : block_.links) next.links.push_back({column.path, {}, {}, {}});
   held_ = 0;
-  return std::exchange(block_, std::move(next));
+  SeriesBlock done = std::exchange(block_, std::move(next));
+  for (NumberColumn& column : done.numbers) order_by_element(column);
+  return done;
 }
 
 }  // namespace engram::ltm

@@ -37,9 +37,8 @@ class SeriesReader {
 
   /// The numbers that are held.
   [[nodiscard]] size_t held() const { return held_; }
-  [[nodiscard]] const SeriesBlock& block() const { return block_; }
 
-  /// Hands over what was read and starts anew, with the rate that was found meanwhile.
+  /// Hands over what was read, and starts anew with the same members.
   SeriesBlock take();
 
  private:
