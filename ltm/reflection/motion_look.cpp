@@ -14,6 +14,8 @@ namespace engram::ltm {
 namespace {
 
 constexpr size_t kMinMotionRows = 12;
+/// Speeds that are compared between entities are cut at so many of the largest usual ones.
+constexpr double kMaxKeptSpeeds = 1.5;
 /// Steps below this share of the size of a member are rounding and settling.
 constexpr double kNoiseShare = 1e-4;
 /// The same where nothing of the provider segment moves, so that nobody knows what is fast.
@@ -187,8 +189,12 @@ class MotionLook {
     const double begin = kMovingShare * motion.fast();
     for (size_t i = 1; i < column.rows.size(); ++i)
       if (std::abs(motion.speeds()[i]) > begin) moved_[column.rows[i]] = true;
-    if (is_kept && column.rows.size() == block_.rows())
-      moving_.push_back({motion.fast(), column.path, element, motion.speeds()});
+    if (!is_kept || column.rows.size() != block_.rows() || motion.fast() <= 0) return;
+    // A single leap would outweigh all motion.
+    std::vector<double> speeds = motion.speeds();
+    for (double& speed : speeds)
+      speed = std::clamp(speed, -kMaxKeptSpeeds * motion.fast(), kMaxKeptSpeeds * motion.fast());
+    moving_.push_back({motion.fast(), column.path, element, std::move(speeds)});
   }
 
   /// The first block decides which elements are kept.

@@ -60,10 +60,9 @@ class Reflector {
       total_ += looked.times.size();
       entities_.push_back(std::move(looked));
     }
-    if (entities_.empty())
-      return not_found(
-          "store '{}': no entity matches {}", reflection_.store,
-          options_.query ? "'" + options_.query->to_string() + "'" : std::string("; it is empty"));
+    if (entities_.empty() && options_.query)
+      return not_found("store '{}': no entity matches '{}'", reflection_.store,
+                       options_.query->to_string());
     // Descriptions and classes come first: they say what belongs to others.
     std::ranges::stable_sort(entities_, {},
                              [](const Looked& looked) { return looked.times.size(); });

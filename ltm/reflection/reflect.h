@@ -35,11 +35,9 @@ struct ReflectOptions {
 /// looked at. Values are read in blocks of a bounded size, each of which is looked at for itself;
 /// times are all in memory.
 ///
-/// Errors: kNotFound if no entity matches; kCancelled; kUnavailable; those of Timeline. Snapshots
-/// that do not decode are findings.
-/// Threading: one thread.
-/// Complexity: O(n) in the bytes of the values.
-/// Source: docs/reflection.md.
+/// Errors: kNotFound if no entity matches the query; kCancelled; kUnavailable; those of Timeline.
+/// Snapshots that do not decode are findings. Threading: one thread. Complexity: O(n) in the bytes
+/// of the values. Source: docs/reflection.md.
 Result<Reflection> reflect(StoreReader& store, const ReflectOptions& options = {},
                            const ProgressSink& progress = {}, const std::stop_token& stop = {});
 

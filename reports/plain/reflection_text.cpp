@@ -2,6 +2,7 @@
 #include "reports/plain/reflection_text.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string_view>
 
@@ -96,26 +97,32 @@ std::string span_text(Time first, Time last) {
   return from.substr(0, kHundredths) + " to " + to.substr(kDay, kHundredths - kDay);
 }
 
+/// Whether the number of snapshots is not in the text already.
+bool is_repeated(const ltm::ReflectionFinding& finding) {
+  using Kind = ltm::ReflectionKind;
+  constexpr std::array<Kind, 5> kCounted{Kind::kRate, Kind::kFrozen, Kind::kDuplicate, Kind::kDrift,
+                                         Kind::kClockDrift};
+  return finding.count > 1 && std::ranges::find(kCounted, finding.kind) == kCounted.end();
+}
+
 void print_finding(const ltm::ReflectionFinding& finding) {
   print(fmt::format("{:5}  {:13}  {}", to_string(finding.severity), to_string(finding.kind),
                     span_text(finding.first, finding.last)));
   print(fmt::format("       {}{}{}", finding.entity.printable(), finding.member.empty() ? "" : "  ",
                     printable(finding.member)));
-  print(fmt::format("       found {}{}, needs {}\n", printable(finding.found),
-                    finding.count > 1 && finding.kind != ltm::ReflectionKind::kRate
-                        ? fmt::format(" ({} times)", count_text(finding.count))
-                        : "",
-                    printable(finding.expected)));
+  print(
+      fmt::format("       found {}{}, needs {}\n", printable(finding.found),
+                  is_repeated(finding) ? fmt::format(" ({} times)", count_text(finding.count)) : "",
+                  printable(finding.expected)));
 }
 
 /// How many findings of which kind each entity has.
 void print_counts(const std::vector<ltm::ReflectionFinding>& findings) {
-  std::map<std::pair<std::string, ltm::MemoryId>, uint64_t> counts;
-  for (const ltm::ReflectionFinding& finding : findings)
-    ++counts[{std::string(to_string(finding.kind)), finding.entity}];
-  TextTable table({"kind", "entity", "findings"});
+  std::map<std::pair<ltm::MemoryId, ltm::ReflectionKind>, uint64_t> counts;
+  for (const ltm::ReflectionFinding& finding : findings) ++counts[{finding.entity, finding.kind}];
+  TextTable table({"entity", "kind", "findings"});
   for (const auto& [key, count] : counts)
-    table.add({key.first, key.second.printable(), count_text(count)});
+    table.add({key.first.printable(), std::string(to_string(key.second)), count_text(count)});
   print(table.to_string());
 }
 

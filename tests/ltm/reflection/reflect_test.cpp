@@ -245,6 +245,17 @@ TEST(Reflect, LooksAtWhatAQuerySelects) {
   EXPECT_EQ(reflect_options("a @ nonsense").status().code(), StatusCode::kInvalidArgument);
 }
 
+TEST(Reflect, OfAnEmptyStoreThereIsNothingToTell) {
+  ScratchDirectory scratch;
+  auto recorder = Recorder::open(scratch / "store", {});
+  ASSERT_OK(recorder);
+  ASSERT_OK(recorder->close());
+  const auto found = reflect(scratch / "store");
+  ASSERT_OK(found);
+  EXPECT_EQ(found->entities.size(), 0u);
+  EXPECT_EQ(found->findings.size(), 0u);
+}
+
 TEST(Reflect, StopsWhenItIsAskedTo) {
   ExampleArm arm;
   arm.write();
