@@ -129,5 +129,3 @@ def kitchen_types(made=[]):  # noqa: B006: made once.
         sys.path.insert(0, folder)
         made.append(__import__("kitchen_types"))
     return made[0]
-
-
