@@ -154,7 +154,7 @@ def main():
     parser.add_argument("--kitchens", type=pathlib.Path, help="folder of recordings to use")
     parser.add_argument("--faults", type=int, default=200)
     parser.add_argument("--per-kitchen", type=int, default=8, help="faults in one copy")
-    parser.add_argument("--seed", type=int, default=1, help="of the faults' places")
+    parser.add_argument("--seed", type=int, default=77, help="of the faults' places")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("build/reflection"))
     parser.add_argument("--keep", action="store_true", help="keep the copies with faults")
     parser.add_argument("--hour", action="store_true", help="also the time that an hour takes")
