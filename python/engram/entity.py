@@ -152,12 +152,12 @@ class Entity:
         another size, FailedPreconditionError where there are neither images nor numbers, and of a
         memory in a server. Source: docs/recall.md.
         """
-        is_image = isinstance(to, np.ndarray) and to.ndim >= 2
-        moment = None if is_image else self.last if to is None else to_ns(to)  # type: ignore[arg-type]
+        image = to if isinstance(to, np.ndarray) else None
+        moment = None if isinstance(to, np.ndarray) else self.last if to is None else to_ns(to)
         found = self._door.files().similar(
             self.name,
             moment,
-            to if is_image else None,
+            image,
             among,
             count,
             duration_ns(apart),
