@@ -114,6 +114,8 @@ class Coding {
       if (!failed.ok()) break;
       is_changed[*segment] = true;
     }
+    if (progress_ && report.coded > 0 && report.left == 0)
+      progress_({"code images of " + entity_.to_string(), entries.size(), entries.size(), "", -1});
     for (auto& [segment, codes] : made)
       if (is_changed[segment] && !codes.times.empty())
         ENGRAM_RETURN_IF_ERROR(store_codes(past_.store(), segment, codes));
