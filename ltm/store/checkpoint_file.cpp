@@ -16,14 +16,6 @@ constexpr std::string_view kUnfinished = ".checkpoint.new";
 
 constexpr std::string_view kHistory = ".history";
 
-/// The common prefix of the file names of an entity's checkpoints.
-std::string prefix_of(const MemoryId& entity) {
-  constexpr std::string_view kModelEnd = ".v1.h5";
-  std::string name = std::filesystem::path(model_file_name(entity, 1)).filename().string();
-  name.resize(name.size() - kModelEnd.size());
-  return name + ".";
-}
-
 bool is_of_checkpoint(const std::string& name) {
   return is_checkpoint(name) || name.ends_with(kUnfinished);
 }
@@ -40,11 +32,11 @@ std::vector<std::filesystem::path> temporary_files(const std::filesystem::path& 
 
 std::filesystem::path checkpoint_file(const std::filesystem::path& store, const MemoryId& entity,
                                       uint64_t key) {
-  return store / "tmp" / fmt::format("{}{:016x}{}", prefix_of(entity), key, kSuffix);
+  return store / "tmp" / fmt::format("{}{:016x}{}", entity_file_prefix(entity), key, kSuffix);
 }
 
 std::filesystem::path history_file(const std::filesystem::path& store, const MemoryId& entity) {
-  std::string name = prefix_of(entity);
+  std::string name = entity_file_prefix(entity);
   name.pop_back();
   return store / "tmp" / (name + std::string(kHistory));
 }
@@ -54,7 +46,7 @@ bool is_checkpoint(const std::string& name) {
 }
 
 bool is_checkpoint_of(const std::string& name, const MemoryId& entity) {
-  return is_of_checkpoint(name) && name.starts_with(prefix_of(entity));
+  return is_of_checkpoint(name) && name.starts_with(entity_file_prefix(entity));
 }
 
 bool is_history(const std::string& name) {
@@ -76,8 +68,9 @@ Status remove_checkpoints_of_others(const std::filesystem::path& store,
   for (const auto& file : temporary_files(store)) {
     const std::string name = file.filename().string();
     if (!is_of_checkpoint(name) && !is_history(name)) continue;
-    const bool is_known = std::ranges::any_of(
-        entities, [&](const MemoryId& entity) { return name.starts_with(prefix_of(entity)); });
+    const bool is_known = std::ranges::any_of(entities, [&](const MemoryId& entity) {
+      return name.starts_with(entity_file_prefix(entity));
+    });
     if (!is_known) ENGRAM_RETURN_IF_ERROR(remove_file(file));
   }
   return {};

@@ -112,7 +112,8 @@ Result<std::vector<LatentSnapshot>> still_there(StoreReader& reader, const Memor
   }
   if (!kept.empty()) return kept;
   return failed_precondition(
-      "entity '{}': of {} snapshots none is as it was when the model was made: they were forgotten, "
+      "entity '{}': of {} snapshots none is as it was when the model was made: they were "
+      "forgotten, "
       "recorded anew, or joined with newer ones by compaction; train again",
       entity.to_string(), snapshots.size());
 }
@@ -200,14 +201,18 @@ std::vector<std::string> remove_unused_models(Manifest& manifest,
   return obsolete;
 }
 
-std::string model_file_name(const MemoryId& entity, int version) {
+std::string entity_file_prefix(const MemoryId& entity) {
   std::string name;
   for (const std::string& part : entity.names()) {
-    if (!name.empty()) name += '.';
     // Escape dots inside a name, because a dot separates the names.
     for (const char c : segment_name(part)) name += c == '.' ? "%2E" : std::string(1, c);
+    name += '.';
   }
-  return fmt::format("models/{}.v{}.h5", name, version);
+  return name;
+}
+
+std::string model_file_name(const MemoryId& entity, int version) {
+  return fmt::format("models/{}v{}.h5", entity_file_prefix(entity), version);
 }
 
 std::optional<ModelInfo> model_of_file(const std::string& file) {

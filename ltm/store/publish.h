@@ -22,6 +22,8 @@ namespace engram::ltm {
 
 /// The path of a model relative to the store: "models/Vision.RGB.head.cam.v2.h5".
 [[nodiscard]] std::string model_file_name(const MemoryId& entity, int version);
+/// What the names of all files of an entity begin with: "Vision.RGB.head.cam.".
+[[nodiscard]] std::string entity_file_prefix(const MemoryId& entity);
 /// The inverse of model_file_name: entity, version and file, or nullopt if `file` is not the name
 /// of a model.
 [[nodiscard]] std::optional<ModelInfo> model_of_file(const std::string& file);

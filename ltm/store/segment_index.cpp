@@ -20,21 +20,9 @@ constexpr size_t kIndexFrame = 24;
 /// Larger files are no indexes of ours: a code takes a hundredth of a snapshot.
 constexpr uint64_t kMaxIndexBytes = uint64_t{1} << 31;
 
-std::string name_of(const std::string& file) {
-  return std::filesystem::path(file).filename().string();
-}
-
 /// "000012" of "segments/000012.h5".
 std::string stem_of(const std::string& segment_file) {
   return std::filesystem::path(segment_file).stem().string();
-}
-
-/// "Vision.RGB.head.cam." of an entity, as its models are named.
-std::string entity_prefix(const MemoryId& entity) {
-  constexpr std::string_view kModelEnd = "v1.h5";
-  std::string name = name_of(model_file_name(entity, 1));
-  name.resize(name.size() - kModelEnd.size());
-  return name;
 }
 
 std::vector<std::byte> framed(uint64_t owner, std::span<const std::byte> content) {
@@ -108,7 +96,7 @@ std::string segment_index_name(const std::string& segment_file, std::string_view
 }
 
 std::string entity_index_name(const MemoryId& entity, std::string_view kind) {
-  return fmt::format("{}/{}{}", kIndexFolder, entity_prefix(entity), kind);
+  return fmt::format("{}/{}{}", kIndexFolder, entity_file_prefix(entity), kind);
 }
 
 Result<Buffer> read_segment_index(const std::filesystem::path& store, const SegmentInfo& segment,
@@ -149,7 +137,7 @@ Result<std::vector<std::string>> remove_entity_indexes(const std::filesystem::pa
                                                        const MemoryId& entity) {
   std::vector<std::string> removed;
   for (const std::string& name : listed_indexes(store)) {
-    if (!name.starts_with(entity_prefix(entity))) continue;
+    if (!name.starts_with(entity_file_prefix(entity))) continue;
     ENGRAM_RETURN_IF_ERROR(remove_file(store / kIndexFolder / name));
     removed.push_back(fmt::format("{}/{}", kIndexFolder, name));
   }
@@ -163,7 +151,7 @@ Result<std::vector<std::string>> remove_outdated_entity_indexes(
   const auto names = listed_indexes(store);
   for (const auto& [entity, sums] : manifest.forgotten)
     for (const std::string& name : names) {
-      if (!name.starts_with(entity_prefix(entity))) continue;
+      if (!name.starts_with(entity_file_prefix(entity))) continue;
       const std::string file = fmt::format("{}/{}", kIndexFolder, name);
       if (unframed(store / file, sums.snapshots).ok()) continue;
       ENGRAM_RETURN_IF_ERROR(remove_file(store / file));
