@@ -21,17 +21,6 @@ constexpr size_t kMaxNumberMoments = 100'000;
 constexpr size_t kMaxNumbers = size_t{1} << 25;
 constexpr Duration kChangeLag = std::chrono::milliseconds(400);
 
-/// The entries of an entity, in the order of time.
-Result<std::vector<SnapshotEntry>> entries_of(StorePast& past, const MemoryId& entity) {
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past.store().timeline(entity));
-  std::vector<SnapshotEntry> entries;
-  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entries](const SnapshotEntry& entry) {
-    entries.push_back(entry);
-    return Status();
-  }));
-  return entries;
-}
-
 std::vector<Time> entry_times(const std::vector<SnapshotEntry>& entries) {
   std::vector<Time> times;
   times.reserve(entries.size());
@@ -73,7 +62,8 @@ class ImageCodes {
         return {};
       }
     ENGRAM_ASSIGN_OR_RETURN(coded_.space,
-                            learn_space(past_, entity_, entry_times(entries), progress_, stop_));
+                            learn_space(past_, entity_, entry_times(entries), progress_,
+                                        [this] { return stop_.stop_requested(); }));
     return {};
   }
 
@@ -138,6 +128,7 @@ Result<CodedMoments> number_codes(StorePast& past, const MemoryId& entity,
   coded.coded_by = CodedBy::kNumbers;
   coded.numbers = numbers;
   ENGRAM_ASSIGN_OR_RETURN(const auto values, past.of(entity));
+  std::vector<double> first;
   const size_t count =
       std::min({entries.size(), kMaxNumberMoments, std::max<size_t>(kMaxNumbers / numbers, 2)});
   for (size_t i = 0; i < count; ++i) {
@@ -148,8 +139,10 @@ Result<CodedMoments> number_codes(StorePast& past, const MemoryId& entity,
     const bool is_finite =
         std::ranges::all_of(row, [](double number) { return std::isfinite(number); });
     if (row.size() != numbers || !is_finite) continue;  // Another layout cannot be compared.
+    if (coded.times.empty()) first = row;
     coded.times.push_back(time);
-    coded.codes.insert(coded.codes.end(), row.begin(), row.end());
+    // Floats tell metres of a millimetre apart, but not of a position on Earth.
+    std::ranges::transform(row, first, std::back_inserter(coded.codes), std::minus<>());
   }
   coded.recordings = cut_recordings(coded.times);
   append_changes(coded);
@@ -245,7 +238,8 @@ std::vector<double> CodedMoments::square_distances(std::span<const float> from) 
 
 Result<CodedMoments> code_moments(StorePast& past, const MemoryId& entity,
                                   const ProgressSink& progress, const std::stop_token& stop) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(past, entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto* const found, past.store().index(entity));
+  const std::vector<SnapshotEntry>& entries = *found;
   if (entries.empty()) return not_found("'{}': has no snapshots", entity.to_string());
   ENGRAM_ASSIGN_OR_RETURN(const auto example, past.of(entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto seen, see(*example, entries.back().time));

@@ -97,12 +97,12 @@ class Gathering {
 
 Result<LikenessSpace> learn_space(KnownPast& past, const MemoryId& entity,
                                   std::span<const Time> times, const ProgressSink& progress,
-                                  const std::stop_token& stop) {
+                                  const std::function<bool()>& is_over) {
   Gathering gathering(past, entity);
   ENGRAM_RETURN_IF_ERROR(gathering.begin(times));
   const size_t count = std::min(times.size(), kMaxSamples);
   for (size_t i = 0; i < count; ++i) {
-    if (stop.stop_requested()) return cancelled("'{}': learning its space", entity.to_string());
+    if (is_over()) return cancelled("'{}': learning its space", entity.to_string());
     if (progress) progress({"learn likeness of " + entity.to_string(), i, count, "", -1});
     ENGRAM_RETURN_IF_ERROR(gathering.add(times[i * times.size() / count]));
   }

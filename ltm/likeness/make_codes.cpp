@@ -51,18 +51,19 @@ class Coding {
 
   /// Does nothing if the entity has no images.
   Status run() {
-    ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, past_.store().timeline(entity_));
-    std::vector<SnapshotEntry> entries;
-    ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entries](const SnapshotEntry& entry) {
-      entries.push_back(entry);
-      return Status();
-    }));
+    ENGRAM_ASSIGN_OR_RETURN(const auto* const found, past_.store().index(entity_));
+    const std::vector<SnapshotEntry>& entries = *found;
     if (entries.size() < kMinCodedSnapshots) return {};
     ENGRAM_ASSIGN_OR_RETURN(images_, past_.of(entity_));
     ENGRAM_ASSIGN_OR_RETURN(const auto example, see(*images_, entries.back().time));
     if (!example) return {};
     has_images = true;
-    ENGRAM_RETURN_IF_ERROR(find_space(entries));
+    const Status learned = find_space(entries);
+    if (learned.code() == StatusCode::kCancelled && !stop_.stop_requested()) {
+      report.left = entries.size();  // The time was over; the next job learns.
+      return {};
+    }
+    ENGRAM_RETURN_IF_ERROR(learned);
     return code(entries);
   }
 
@@ -77,7 +78,8 @@ class Coding {
       std::vector<Time> times;
       times.reserve(entries.size());
       for (const SnapshotEntry& entry : entries) times.push_back(entry.time);
-      ENGRAM_ASSIGN_OR_RETURN(space_, learn_space(past_, entity_, times, progress_, stop_));
+      ENGRAM_ASSIGN_OR_RETURN(
+          space_, learn_space(past_, entity_, times, progress_, [this] { return is_over(); }));
       ENGRAM_RETURN_IF_ERROR(publish_entity_index(past_.store().path(), past_.store().manifest(),
                                                   entity_, kSpaceIndex, space_.pack()));
       report.is_learned = true;

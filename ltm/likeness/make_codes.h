@@ -14,7 +14,8 @@ namespace engram::ltm {
 struct CodesOptions {
   /// Which entities are coded; empty: all with images.
   std::function<bool(const MemoryId&)> matches{};
-  /// Asked before each image; true ends the job. What was coded until then is kept.
+  /// Asked before each image, while learning too; true ends the job. What was coded until then is
+  /// kept.
   std::function<bool()> is_over{};
 };
 

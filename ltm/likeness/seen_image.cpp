@@ -60,8 +60,10 @@ const idf::NdArray* image_of(const SnapshotResult& snapshot) {
 }
 
 Result<std::optional<SeenImage>> see(EntityPast& past, Time moment) {
-  ENGRAM_ASSIGN_OR_RETURN(const RecalledSnapshot snapshot, past.read(moment, Prefer::kRecorded));
-  const idf::NdArray* const image = image_of(snapshot.answer);
+  const auto snapshot = past.read(moment, Prefer::kRecorded);
+  if (snapshot.status().code() == StatusCode::kDataLoss) return std::optional<SeenImage>();
+  ENGRAM_RETURN_IF_ERROR(snapshot.status());
+  const idf::NdArray* const image = image_of(snapshot->answer);
   if (image == nullptr) return std::optional<SeenImage>();
   ENGRAM_ASSIGN_OR_RETURN(auto descriptor, describe_image(*image));
   return std::optional<SeenImage>({*image_size_of(*image), std::move(descriptor)});
@@ -89,9 +91,11 @@ Result<std::vector<double>> numbers_at(EntityPast& past, Time moment) {
   std::vector<double> numbers;
   ENGRAM_ASSIGN_OR_RETURN(const auto at, past.at_or_before(moment));
   if (!at) return numbers;
-  ENGRAM_ASSIGN_OR_RETURN(const RecalledSnapshot snapshot, past.read(*at, Prefer::kRecorded));
-  if (!snapshot.answer.instances.empty())
-    append_numbers(snapshot.answer.instances.front().data, numbers);
+  const auto snapshot = past.read(*at, Prefer::kRecorded);
+  if (snapshot.status().code() == StatusCode::kDataLoss) return numbers;
+  ENGRAM_RETURN_IF_ERROR(snapshot.status());
+  if (!snapshot->answer.instances.empty())
+    append_numbers(snapshot->answer.instances.front().data, numbers);
   return numbers;
 }
 

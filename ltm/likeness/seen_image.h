@@ -19,7 +19,8 @@ struct SeenImage {
   std::vector<float> descriptor;  ///< [kDescriptorSize]
 };
 
-/// Nothing if the snapshot has no image. Errors: those of EntityPast::read.
+/// Nothing if the snapshot has no image, or if it is damaged: all others can be compared still.
+/// Errors: those of EntityPast::read but for kDataLoss.
 Result<std::optional<SeenImage>> see(EntityPast& past, Time moment);
 
 /// The entities whose numbers a snapshot links to, each once, in the order of the value: the joints
@@ -28,9 +29,10 @@ Result<std::optional<SeenImage>> see(EntityPast& past, Time moment);
 Result<std::vector<MemoryId>> linked_entities(KnownPast& past, const MemoryId& entity,
                                               const SnapshotResult& snapshot);
 
-/// The numbers of an entity at a moment, or at the last one before it: all numeric members that are
-/// no images, at most 1,024. Empty if there are none.
-/// Errors: those of reading the past.
+/// The numbers of an entity at a moment, or at the last one before it: its floats, alone and in
+/// arrays, at most 1,024. Integers are counts, times and names of things, whose distances mean
+/// little. Empty if there are none, or if the snapshot is damaged.
+/// Errors: those of reading the past but for kDataLoss.
 Result<std::vector<double>> numbers_at(EntityPast& past, Time moment);
 
 }  // namespace engram::ltm

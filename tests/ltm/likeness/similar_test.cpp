@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/likeness/similar.h"
 
+#include "ltm/core/file.h"
 #include "ltm/likeness/make_codes.h"
 #include "ltm/likeness/stored_codes.h"
 #include "ltm/store/rewrite.h"
@@ -216,6 +217,52 @@ TEST_F(SimilarTest, EndsWhenTheTimeIsOverAndGoesOn) {
   ASSERT_OK(rest);
   EXPECT_EQ(rest->front().kept, part->front().coded);
   EXPECT_EQ(rest->front().coded, part->front().left);
+}
+
+TEST_F(SimilarTest, StopsLearningWhenTheTimeIsOver) {
+  CodesOptions options;
+  int asked = 0;
+  options.is_over = [&asked] { return ++asked > 5; };
+  const auto none = make_codes(store_, {}, options, {}, {});
+  ASSERT_OK(none);
+  EXPECT_LT(asked, 10);
+  EXPECT_EQ(none->front().left, static_cast<uint64_t>(kRecordings * kMoments));
+  EXPECT_FALSE(std::filesystem::exists(store_ / entity_index_name(example_entity(), kSpaceIndex)));
+  EXPECT_EQ(code()->front().coded, static_cast<uint64_t>(kRecordings * kMoments));
+}
+
+TEST_F(SimilarTest, TellsSmallStepsOfLargeNumbersApart) {
+  const MemoryId place = *MemoryId::parse("RobotState/Localization/robot/place");
+  {
+    const auto writer = *StoreWriter::open(store_, {});
+    for (int64_t i = 0; i < 40; ++i) {
+      Snapshot snapshot{place, example_time(i), {}};
+      snapshot.instances.push_back(
+          {idf::Dict{{"east", 5e9 + 0.01 * static_cast<double>(i % 20)}}, {}});
+      ASSERT_OK(writer->append({pack_snapshot(snapshot)}, nullptr));
+    }
+  }
+  const auto answer = find({.entity = place, .moment = example_time(27)});
+  ASSERT_OK(answer);
+  EXPECT_EQ(answer->moments.front().time, example_time(7));
+}
+
+TEST_F(SimilarTest, LeavesOutWhatIsDamaged) {
+  const SegmentInfo damaged = read_manifest(store_)->segments.at(1);
+  const Buffer whole = *read_file(store_ / damaged.file);
+  std::vector<std::byte> bytes(whole.bytes().begin(), whole.bytes().end());
+  const PackedSnapshot moment = drawn_moment(1, 30).front();
+  const auto image = moment.instances.front().value.media.front().bytes.bytes();
+  const auto at = std::ranges::search(bytes, image);
+  ASSERT_FALSE(at.empty());
+  at[at.size() / 2] ^= std::byte{1};
+  overwrite_file(store_ / damaged.file, bytes);
+  const auto coded = code();
+  ASSERT_OK(coded);
+  ASSERT_EQ(coded->size(), 1u);
+  EXPECT_GE(coded->front().skipped, 1u);
+  EXPECT_GE(coded->front().coded, static_cast<uint64_t>((kRecordings - 1) * kMoments));
+  EXPECT_OK(find(like(0, 30)));
 }
 
 TEST_F(SimilarTest, ForgetsCodesWithTheirSnapshots) {
