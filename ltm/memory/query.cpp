@@ -20,7 +20,9 @@ void add_snapshots(std::vector<SnapshotQuery>& siblings, SnapshotQuery added) {
   std::ranges::sort(added.instances);
   added.instances.erase(std::unique(added.instances.begin(), added.instances.end()),
                         added.instances.end());
-  const auto known = std::ranges::find(siblings, added.selector, &SnapshotQuery::selector);
+  const auto known = std::ranges::find_if(siblings, [&added](const SnapshotQuery& sibling) {
+    return sibling.selector == added.selector && sibling.conditions == added.conditions;
+  });
   if (known == siblings.end()) {
     siblings.push_back(std::move(added));
   } else if (known->instances.empty() || added.instances.empty()) {
@@ -110,6 +112,14 @@ Status QueryBuilder::add(const QueryPath& names, SnapshotQuery snapshots) {
   ENGRAM_RETURN_IF_ERROR(validate(snapshots.selector));
   for (const int32_t index : snapshots.instances)
     if (index < 0) return invalid_argument("query: {} is no instance index", index);
+  if (snapshots.conditions.size() > Query::kMaxConditions)
+    return invalid_argument("query: a selector has more than {} conditions", Query::kMaxConditions);
+  for (const Condition& condition : snapshots.conditions)
+    ENGRAM_RETURN_IF_ERROR(validate(condition));
+  if (!snapshots.conditions.empty() && std::holds_alternative<select::Ahead>(snapshots.selector))
+    return invalid_argument(
+        "'{}' has conditions, which no prediction meets: needs a selector of the past",
+        to_string(snapshots.selector));
   ENGRAM_RETURN_IF_ERROR(count(names));
   // Merging into siblings keeps the normal form, in which equal selections have equal trees.
   auto& core_segments = find_or_add(query_.memories_, names[0]).below;
@@ -157,6 +167,16 @@ Result<Query> Query::of_entity(const MemoryId& entity, std::span<const Selector>
 
 bool Query::matches(const MemoryId& id) const {
   return matches_names(memories_, id.names());
+}
+
+bool Query::has_conditions() const {
+  for (const auto& memory : memories_)
+    for (const auto& core : memory.below)
+      for (const auto& provider : core.below)
+        for (const auto& entity : provider.below)
+          for (const SnapshotQuery& snapshots : entity.below)
+            if (!snapshots.conditions.empty()) return true;
+  return false;
 }
 
 std::vector<SnapshotQuery> Query::snapshots_of(const MemoryId& entity) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ltm/idf/data.h"
+#include "ltm/memory/condition.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/memory/name_pattern.h"
 #include "ltm/memory/selector.h"
@@ -21,6 +22,9 @@ struct SnapshotQuery {
   Selector selector = select::Latest{};
   /// Indices of the instances, none of them negative; empty: all.
   std::vector<int32_t> instances;
+  /// What a snapshot must meet. The selector selects among the snapshots that meet all of them, and
+  /// nothing of the future: `latest` is the last one that does. Empty: it selects among all.
+  std::vector<Condition> conditions{};
 
   friend bool operator==(const SnapshotQuery&, const SnapshotQuery&) = default;
 };
@@ -42,20 +46,23 @@ using MemoryQuery = NameQuery<CoreSegmentQuery>;
 /// A query to a memory: a tree that mirrors the hierarchy, with several selectors on each level,
 /// each with its own sub-queries. The answers of all branches are united.
 ///
-/// It is kept in normal form: on no level do two siblings have the same names or the same selector,
-/// and instances are sorted. The text form has one branch per entity level:
+/// It is kept in normal form: on no level do two siblings have the same names or the same selector
+/// with the same conditions, and instances are sorted. The text form has one branch per entity
+/// level:
 ///
-///     [?ids] NAMES [@ SELECTOR[#INSTANCE]..., ...] [; NAMES ...]
+///     [?ids] NAMES [@ SELECTOR[#INSTANCE]... [CONDITION ...], ...] [; NAMES ...]
 ///
 /// NAMES are `<memory>/<core>/<provider>/<entity>`, each a NamePattern. Missing levels match all
-/// names, and a missing selector is `latest`; see parse_selector for selectors. `?ids` requests IDs
-/// without data. Example: `Vision/.*/head/cam @ last:10s, nearest:T~50ms#0 ; Robot @ -3..-1`
-/// Threading: immutable except for assignment.
+/// names, and a missing selector is `latest`; see parse_selector for selectors, and
+/// parse_conditions for conditions. `?ids` requests IDs without data. Example: `Vision/.*/head/cam
+/// @ last:10s, nearest:T~50ms#0 ; Robot @ -3..-1` Threading: immutable except for assignment.
 /// Source: docs/query.md.
 class Query {
  public:
   /// The bound of snapshot selectors, over all branches.
   static constexpr size_t kMaxSelectors = 1024;
+  /// The bound of conditions of one selector.
+  static constexpr size_t kMaxConditions = 16;
   /// The bound of different regular expressions; each may need 1 MiB.
   static constexpr size_t kMaxExpressions = 256;
 
@@ -98,6 +105,9 @@ class Query {
   /// What all branches that match this entity select of it; empty where none matches. Needs the ID
   /// of an entity or deeper (checked).
   [[nodiscard]] std::vector<SnapshotQuery> snapshots_of(const MemoryId& entity) const;
+
+  /// Whether any of its selectors has conditions.
+  [[nodiscard]] bool has_conditions() const;
 
   /// A text that parse reads back to the same tree.
   [[nodiscard]] std::string to_string() const;

@@ -43,6 +43,20 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
+/// Splits at commas, but not at those of the point of `near 1,2,3 0.5m`.
+std::vector<std::string_view> split_selectors(std::string_view text) {
+  std::vector<std::string_view> selectors;
+  for (const std::string_view part : split(text, ',')) {
+    if (!selectors.empty() && ends_in_a_point(selectors.back())) {
+      std::string_view& last = selectors.back();
+      last = {last.data(), static_cast<size_t>(part.data() + part.size() - last.data())};
+    } else {
+      selectors.push_back(part);
+    }
+  }
+  return selectors;
+}
+
 /// The position of the `@` that starts the selectors: at the start, or after a space. npos where
 /// there is none. An `@` inside a name, as in an e-mail address, starts none.
 size_t find_selectors(std::string_view branch) {
@@ -87,7 +101,7 @@ class QueryParser {
     ENGRAM_ASSIGN_OR_RETURN(const QueryPath names,
                             parse_names(trim_unescaped(branch.substr(0, selectors))));
     if (selectors == std::string_view::npos) return add(branch, names, {}, builder);
-    for (const std::string_view selector : split(branch.substr(selectors + 1), ',')) {
+    for (const std::string_view selector : split_selectors(branch.substr(selectors + 1))) {
       ENGRAM_ASSIGN_OR_RETURN(SnapshotQuery snapshots, parse_snapshots(trim_unescaped(selector)));
       ENGRAM_RETURN_IF_ERROR(add(selector, names, std::move(snapshots), builder));
     }
@@ -125,6 +139,12 @@ class QueryParser {
 
   Result<SnapshotQuery> parse_snapshots(std::string_view text) {
     SnapshotQuery snapshots;
+    if (const size_t begin = find_conditions(text); begin != std::string_view::npos) {
+      auto conditions = parse_conditions(text.substr(begin));
+      if (!conditions.ok()) return at(text.substr(begin), conditions.status());
+      snapshots.conditions = *std::move(conditions);
+      text = trim_unescaped(text.substr(0, begin));
+    }
     const std::vector<std::string_view> parts = split(text, '#');
     auto selector = parse_selector(parts.front());
     if (!selector.ok()) return at(text, selector.status());
@@ -169,6 +189,8 @@ class QueryPrinter {
     for (size_t i = 0; i < snapshots.size(); ++i) {
       text += (i == 0 ? "" : ", ") + to_string(snapshots[i].selector);
       for (const int32_t index : snapshots[i].instances) text += fmt::format("#{}", index);
+      for (const Condition& condition : snapshots[i].conditions)
+        text += " " + ltm::to_string(condition);
     }
   }
 };

@@ -143,6 +143,22 @@ void unite(SelectedSnapshot& one, const SelectedSnapshot& other) {
   one.instances = std::move(united);
 }
 
+/// The snapshots that meet the conditions of a query; nothing if it has none.
+Result<std::optional<ListedMoments>> meeting(const SnapshotQuery& query,
+                                             const ListMoments& listed) {
+  if (query.conditions.empty()) return std::optional<ListedMoments>();
+  if (!listed) return refuse_conditions({&query, 1}, "selection");
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Time> times, listed(query.conditions));
+  return std::optional(ListedMoments(std::move(times)));
+}
+
+/// What is to be predicted meets no condition.
+Result<Selection> select_past(const SnapshotQuery& query, Moments& moments) {
+  ENGRAM_ASSIGN_OR_RETURN(Selection selection, select_times(query.selector, moments));
+  if (!query.conditions.empty()) selection.future.reset();
+  return selection;
+}
+
 /// Sorts by time, and unites those of the same moment.
 std::vector<SelectedSnapshot> in_order(std::vector<SelectedSnapshot> selected) {
   std::ranges::stable_sort(selected, {}, &SelectedSnapshot::time);
@@ -159,39 +175,69 @@ std::vector<SelectedSnapshot> in_order(std::vector<SelectedSnapshot> selected) {
 }  // namespace
 
 Result<std::optional<Time>> ListedMoments::at_or_after(Time time) {
-  const auto found = std::ranges::lower_bound(times_, time);
-  return found == times_.end() ? std::nullopt : std::optional(*found);
+  const auto found = std::ranges::lower_bound(*times_, time);
+  return found == times_->end() ? std::nullopt : std::optional(*found);
 }
 
 Result<std::optional<Time>> ListedMoments::at_or_before(Time time) {
-  const auto found = std::ranges::upper_bound(times_, time);
-  return found == times_.begin() ? std::nullopt : std::optional(*std::prev(found));
+  const auto found = std::ranges::upper_bound(*times_, time);
+  return found == times_->begin() ? std::nullopt : std::optional(*std::prev(found));
 }
 
 Result<Selection> select_times(const Selector& selector, Moments& moments) {
   return std::visit(Selecting{moments}, selector);
 }
 
+Status refuse_conditions(std::span<const SnapshotQuery> queries, std::string_view who) {
+  for (const SnapshotQuery& query : queries)
+    if (!query.conditions.empty())
+      return invalid_argument("{}: cannot select by '{}', which only queries answer", who,
+                              to_string(query.conditions.front()));
+  return {};
+}
+
 Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
-                                                       Moments& moments) {
+                                                       Moments& moments,
+                                                       const ListMoments& listed) {
   std::vector<SelectedSnapshot> selected;
   for (const SnapshotQuery& query : queries) {
-    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
-    ENGRAM_RETURN_IF_ERROR(append(selection, query.instances, moments, selected));
+    ENGRAM_ASSIGN_OR_RETURN(auto among, meeting(query, listed));
+    Moments& those = among ? static_cast<Moments&>(*among) : moments;
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_past(query, those));
+    ENGRAM_RETURN_IF_ERROR(append(selection, query.instances, those, selected));
   }
   return in_order(std::move(selected));
 }
 
 Result<SelectedMoments> SelectedMoments::create(std::span<const SnapshotQuery> queries,
-                                                Moments& moments) {
+                                                Moments& moments, const ListMoments& listed) {
   SelectedMoments made;
   for (const SnapshotQuery& query : queries) {
-    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, moments));
-    if (selection.snapshots) made.parts_.push_back({*selection.snapshots, query.instances});
+    ENGRAM_ASSIGN_OR_RETURN(auto among, meeting(query, listed));
+    Moments& those = among ? static_cast<Moments&>(*among) : moments;
+    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_past(query, those));
+    if (selection.snapshots)
+      made.parts_.push_back({*selection.snapshots, query.instances, std::move(among)});
     if (selection.future) made.future_.push_back({*selection.future, true, query.instances});
   }
   made.future_ = in_order(std::move(made.future_));
   return made;
+}
+
+/// Snapshots may have gone since they were selected.
+Result<std::optional<Time>> SelectedMoments::next_of(const Part& part, std::optional<Time> time,
+                                                     Moments& moments) {
+  const bool has_begun = time && *time >= part.span.first;
+  if (!part.listed)
+    return has_begun ? ltm::after(moments, *time) : moments.at_or_after(part.span.first);
+  ListedMoments listed = *part.listed;
+  Found found = has_begun ? ltm::after(listed, *time) : listed.at_or_after(part.span.first);
+  while (found.ok() && found.value()) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, moments.at_or_after(**found));
+    if (there == *found) break;
+    found = ltm::after(listed, **found);
+  }
+  return found;
 }
 
 Result<std::optional<SelectedSnapshot>> SelectedMoments::after(std::optional<Time> time,
@@ -199,13 +245,7 @@ Result<std::optional<SelectedSnapshot>> SelectedMoments::after(std::optional<Tim
   std::optional<SelectedSnapshot> next;
   for (const Part& part : parts_) {
     if (time && *time >= part.span.last) continue;
-    std::optional<Time> found;
-    if (time && *time >= part.span.first) {
-      ENGRAM_ASSIGN_OR_RETURN(found, ltm::after(moments, *time));
-    } else {
-      // It may have gone since it was selected.
-      ENGRAM_ASSIGN_OR_RETURN(found, moments.at_or_after(part.span.first));
-    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, next_of(part, time, moments));
     if (!found || *found > part.span.last || (next && *found > next->time)) continue;
     SelectedSnapshot one{*found, false, part.instances};
     if (next && next->time == *found)

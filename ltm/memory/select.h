@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "ltm/memory/query.h"
@@ -28,24 +31,25 @@ class Moments {
   virtual Result<std::optional<Time>> nth(uint64_t index) = 0;
 };
 
-/// Moments in a list.
+/// Moments in a list, which copies share.
 class ListedMoments final : public Moments {
  public:
   /// `times` increase.
-  explicit ListedMoments(std::vector<Time> times) : times_(std::move(times)) {}
+  explicit ListedMoments(std::vector<Time> times)
+      : times_(std::make_shared<const std::vector<Time>>(std::move(times))) {}
 
   Result<std::optional<Time>> first() override { return nth(0); }
   Result<std::optional<Time>> last() override {
-    return times_.empty() ? std::nullopt : std::optional(times_.back());
+    return times_->empty() ? std::nullopt : std::optional(times_->back());
   }
   Result<std::optional<Time>> at_or_after(Time time) override;
   Result<std::optional<Time>> at_or_before(Time time) override;
   Result<std::optional<Time>> nth(uint64_t index) override {
-    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
+    return index < times_->size() ? std::optional((*times_)[index]) : std::nullopt;
   }
 
  private:
-  std::vector<Time> times_;
+  std::shared_ptr<const std::vector<Time>> times_;
 };
 
 /// The snapshots that a selector selects of one entity.
@@ -64,6 +68,10 @@ struct Selection {
   friend bool operator==(const Selection&, const Selection&) = default;
 };
 
+/// Lists the snapshots of an entity that meet conditions: their times, increasing. Whoever knows
+/// places and links gives it; without it conditions are refused.
+using ListMoments = std::function<Result<std::vector<Time>>(std::span<const Condition> conditions)>;
+
 /// One selected snapshot.
 struct SelectedSnapshot {
   Time time{};
@@ -80,12 +88,19 @@ struct SelectedSnapshot {
 /// from the end.
 Result<Selection> select_times(const Selector& selector, Moments& moments);
 
+/// Returns kInvalidArgument if a query has conditions, for who selects without knowing places and
+/// links. `who` begins the message: "reflect".
+[[nodiscard]] Status refuse_conditions(std::span<const SnapshotQuery> queries,
+                                       std::string_view who);
+
 /// Unites the snapshots that several selectors select of one entity: ordered by time, each moment
 /// once, with all instances that any of them selects.
-/// Errors: those of Moments.
+/// Errors: those of Moments and of `listed`; kInvalidArgument if there are conditions and no
+/// `listed`.
 /// Complexity: O(m log m) in the number m of selected snapshots.
 Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQuery> queries,
-                                                       Moments& moments);
+                                                       Moments& moments,
+                                                       const ListMoments& listed = {});
 
 /// What select_snapshots() lists, without the list: there may be millions of snapshots. What is
 /// selected is settled when it is created; snapshots that come later count where they lie between
@@ -94,8 +109,9 @@ Result<std::vector<SelectedSnapshot>> select_snapshots(std::span<const SnapshotQ
 /// Threading: immutable.
 class SelectedMoments {
  public:
-  /// Errors: those of Moments.
-  static Result<SelectedMoments> create(std::span<const SnapshotQuery> queries, Moments& moments);
+  /// Errors: those of select_snapshots().
+  static Result<SelectedMoments> create(std::span<const SnapshotQuery> queries, Moments& moments,
+                                        const ListMoments& listed = {});
 
   /// The first selected snapshot of the past after `time`, or the first one of all.
   /// Errors: those of Moments.
@@ -109,7 +125,12 @@ class SelectedMoments {
   struct Part {
     Selection::Span span;
     std::vector<int32_t> instances;
+    std::optional<ListedMoments> listed;  ///< Those that meet its conditions, if it has some.
   };
+
+  /// The next one of a part after `time`, or its first one.
+  static Result<std::optional<Time>> next_of(const Part& part, std::optional<Time> time,
+                                             Moments& moments);
 
   std::vector<Part> parts_;
   std::vector<SelectedSnapshot> future_;
