@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ltm/recall/past_context.h"
+
 namespace engram::ltm {
 
 namespace {
@@ -111,6 +113,14 @@ class JoinedEntityPast final : public EntityPast {
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     ENGRAM_CHECK(stored != nullptr, "{} is no moment of this entity", to_string(moment));
     return stored->name(moment, prefer);
+  }
+
+  Result<SharedContext> context(const std::optional<idf::Type>& type) override {
+    EntityContext held = context_of_held(held_, type);
+    ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
+    if (stored == nullptr) return std::make_shared<const EntityContext>(std::move(held));
+    ENGRAM_ASSIGN_OR_RETURN(SharedContext older, stored->context(type));
+    return join_contexts(std::move(older), std::move(held));
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/context/entity_context.h"
 #include "ltm/idf/type.h"
 #include "ltm/memory/query.h"
 #include "ltm/memory/select.h"
@@ -13,6 +14,8 @@
 #include "ltm/recall/answer.h"
 
 namespace engram::ltm {
+
+using SharedContext = std::shared_ptr<const EntityContext>;
 
 /// Which form is read if a snapshot has both.
 enum class Prefer { kRecorded, kLatent };
@@ -34,6 +37,12 @@ class EntityPast : public Moments {
 
   /// Returns the same snapshot without data, from the form that read() would use. Decodes nothing.
   virtual Result<RecalledSnapshot> name(Time moment, Prefer prefer) = 0;
+
+  /// Where its snapshots were, what they link to and when what they tell of went on. `type` is that
+  /// of its values. A snapshot that cannot be read has no places and links.
+  /// Errors: those of Moments.
+  /// Complexity: O(n); unless overridden, all snapshots are read.
+  virtual Result<SharedContext> context(const std::optional<idf::Type>& type);
 };
 
 /// The past, wherever it is kept. All answers and predictions are made from it.

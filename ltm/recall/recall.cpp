@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/idf/binary.h"
+#include "ltm/recall/list_moments.h"
 #include "ltm/recall/seen_past.h"
 
 namespace engram::ltm {
@@ -168,14 +169,22 @@ struct Recall::State {
     return {};
   }
 
+  /// What answers the conditions of a query on an entity; nothing if it has none.
+  ListMoments listed(const MemoryId& id, const Query& query, const Options& options) const {
+    if (!query.has_conditions()) return {};
+    return list_moments(
+        *past, [this, options](const MemoryId& entity) { return seen(entity, options); }, id,
+        query.named_entities().has_value());
+  }
+
   /// Nothing if the view sees nothing of the entity.
   Result<std::optional<RecalledEntity>> answer(const MemoryId& id, const Query& query,
                                                const Options& options, size_t& bytes) {
     RecalledEntity result{id, {}};
     ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(id, options));
     if (!entity) return options.view ? std::nullopt : std::optional(std::move(result));
-    ENGRAM_ASSIGN_OR_RETURN(const auto selection,
-                            select_snapshots(query.snapshots_of(id), *entity));
+    ENGRAM_ASSIGN_OR_RETURN(const auto selection, select_snapshots(query.snapshots_of(id), *entity,
+                                                                   listed(id, query, options)));
     const auto future = std::ranges::find(selection, true, &SelectedSnapshot::is_future);
     for (auto selected = selection.begin(); selected != future; ++selected)
       ENGRAM_RETURN_IF_ERROR(add_past(*entity, *selected, query, options, bytes, result));
@@ -193,7 +202,8 @@ struct Recall::State {
     if (entity && !position.selected) {
       ENGRAM_ASSIGN_OR_RETURN(
           position.selected,
-          SelectedMoments::create(cursor.query.snapshots_of(result.id), *entity));
+          SelectedMoments::create(cursor.query.snapshots_of(result.id), *entity,
+                                  listed(result.id, cursor.query, cursor.options)));
     }
     Options options = cursor.options;
     options.max_answer_bytes = SIZE_MAX;
@@ -271,6 +281,10 @@ Recall::~Recall() = default;
 StoreReader& Recall::store() {
   ENGRAM_CHECK(state_->store != nullptr, "{} is more than a store", state_->past->name());
   return state_->store->store();
+}
+
+ListMoments Recall::listed(const MemoryId& entity, bool is_named) {
+  return list_moments(*state_->past, entity, is_named);
 }
 
 Status Recall::start_anew() {

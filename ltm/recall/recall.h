@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "ltm/memory/query.h"
+#include "ltm/memory/select.h"
 #include "ltm/memory/sight.h"
 #include "ltm/prediction/entity_predictor.h"
 #include "ltm/recall/access_log.h"
@@ -76,6 +77,11 @@ class Recall {
   /// Returns the same answer as a tree.
   Result<QueryResult> query(const Query& query, const Options& options);
   Result<QueryResult> query(const Query& query) { return this->query(query, Options{}); }
+
+  /// What answers the conditions of a query on an entity, for who selects snapshots of the store by
+  /// himself. `is_named`: the query names the entity letter by letter. Valid as long as this
+  /// object.
+  [[nodiscard]] ListMoments listed(const MemoryId& entity, bool is_named);
 
   /// Drops everything that was read or learned for earlier questions: decoded snapshots, models,
   /// and what engines learned. Call it after something was forgotten, so that no answer tells of

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "ltm/recall/past_context.h"
+
 namespace engram::ltm {
 
 namespace {
@@ -62,6 +64,11 @@ class SeenPast final : public EntityPast {
   Result<RecalledSnapshot> name(Time moment, Prefer prefer) override {
     ENGRAM_CHECK(times_.contains(moment), "{} is no moment that may be seen", to_string(moment));
     return past_->name(moment, prefer);
+  }
+
+  Result<SharedContext> context(const std::optional<idf::Type>& type) override {
+    ENGRAM_ASSIGN_OR_RETURN(const SharedContext all, past_->context(type));
+    return context_at(all, times_);
   }
 
  private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recall/store_past.h"
 
+#include "ltm/context/segment_contexts.h"
 #include "ltm/recall/timeline_moments.h"
 
 namespace engram::ltm {
@@ -42,6 +43,10 @@ class StorePast::Entity final : public EntityPast {
     ENGRAM_ASSIGN_OR_RETURN(const SnapshotEntry entry, entry_at(moment));
     ENGRAM_ASSIGN_OR_RETURN(SnapshotResult named, reader_->name(id_, entry, prefer));
     return RecalledSnapshot{std::move(named)};
+  }
+
+  Result<SharedContext> context(const std::optional<idf::Type>& /*type*/) override {
+    return past_.context_of(reader_, id_);
   }
 
  private:
@@ -97,6 +102,33 @@ Result<std::unique_ptr<EntityPast>> StorePast::of(const MemoryId& entity) {
   return std::unique_ptr<EntityPast>(std::make_unique<Entity>(*this, entity, *timeline));
 }
 
+Result<SharedContext> StorePast::context_of(const std::shared_ptr<PastReader>& reader,
+                                            const MemoryId& entity) {
+  const bool is_newest = reader == reader_;
+  if (is_newest)
+    if (const auto known = contexts_.find(entity); known != contexts_.end()) return known->second;
+  ENGRAM_ASSIGN_OR_RETURN(
+      EntityContext context,
+      context_in_store(reader->store(), entity,
+                       [&reader](const MemoryId& id, const SnapshotEntry& entry) {
+                         return reader->read(id, entry, Prefer::kLatent);
+                       }));
+  auto shared = std::make_shared<const EntityContext>(std::move(context));
+  if (!is_newest) return SharedContext(std::move(shared));
+  const size_t bytes = shared->held_bytes();
+  if (context_bytes_ + bytes > kMaxContextCacheBytes) clear_contexts();
+  if (bytes <= kMaxContextCacheBytes) {
+    contexts_[entity] = shared;
+    context_bytes_ += bytes;
+  }
+  return SharedContext(std::move(shared));
+}
+
+void StorePast::clear_contexts() {
+  contexts_.clear();
+  context_bytes_ = 0;
+}
+
 std::optional<idf::Type> StorePast::type_of(const MemoryId& entity) const {
   const idf::Type* type = reader_->store().manifest().types.of_entity(entity);
   return type == nullptr ? std::nullopt : std::optional(*type);
@@ -119,6 +151,7 @@ Status StorePast::renew() {
   StoreMark mark = look_at_store(reader_->store().path());
   ENGRAM_ASSIGN_OR_RETURN(auto store, StoreReader::open(reader_->store().path()));
   reader_ = std::make_shared<PastReader>(std::move(store), models_);
+  clear_contexts();
   mark_ = std::move(mark);
   ++opened_;
   return {};

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <memory>
 
 #include "ltm/recall/decoded_cache.h"
@@ -73,12 +74,22 @@ class StorePast final : public KnownPast {
  private:
   class Entity;
 
+  /// Max bytes of contexts that are kept for the next questions.
+  static constexpr size_t kMaxContextCacheBytes = size_t{256} << 20;
+
+  /// The context of an entity in a generation of the store; of the newest one it is kept.
+  Result<SharedContext> context_of(const std::shared_ptr<PastReader>& reader,
+                                   const MemoryId& entity);
+  void clear_contexts();
+
   const Options options_;
   StoreMark mark_;  ///< Taken before the store was opened; empty if that is not known.
   std::shared_ptr<LoadedModels> models_;
   std::shared_ptr<PastReader> reader_;  ///< Shared with the entity pasts of this generation.
   DecodedCache decoded_;
   bool keeps_decoded_ = true;
+  std::map<MemoryId, SharedContext> contexts_;  ///< Of this generation.
+  size_t context_bytes_ = 0;
   std::atomic<uint64_t> opened_{1};
   std::atomic<uint64_t> decodings_{0};
   std::atomic<uint64_t> from_decoded_{0};

@@ -251,8 +251,15 @@ struct WorkingMemory::State {
               std::vector<SelectedEntity>& selected) const ENGRAM_REQUIRES_SHARED(mutex) {
     HistoryMoments moments(entity.history, elsewhere ? elsewhere(entity.id) : std::nullopt);
     SelectedEntity one{entity.id, {}, {}, {}};
+    const std::vector<SnapshotQuery> queries = query.snapshots_of(entity.id);
+    if (!refuse_conditions(queries, "working memory").ok()) {
+      // Places and links are looked up with the past below it.
+      one.reaches_elsewhere = true;
+      selected.push_back(std::move(one));
+      return;
+    }
     // Searches in memory cannot fail.
-    auto asked = select_snapshots(query.snapshots_of(entity.id), moments);
+    auto asked = select_snapshots(queries, moments);
     if (moments.reaches_elsewhere()) {
       one.reaches_elsewhere = true;
       selected.push_back(std::move(one));

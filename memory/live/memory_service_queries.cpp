@@ -51,6 +51,7 @@ ltm::KnownElsewhere MemoryService::State::elsewhere() const {
 
 std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, size_t max_bytes,
                                                        const ltm::View* view) {
+  if (query.has_conditions()) return std::nullopt;
   State& state = *state_;
   ltm::Answer answer{query.is_ids_only(), {}};
   auto selected = state.memory->select(query, state.elsewhere());

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "ltm/context/meeting.h"
+
+namespace engram::ltm {
+
+namespace {
+
+/// The squared distance of two points. Unit: m squared.
+double squared_distance(const double* a, const double* b) {
+  const double x = a[0] - b[0];
+  const double y = a[1] - b[1];
+  const double z = a[2] - b[2];
+  return x * x + y * y + z * z;
+}
+
+constexpr uint32_t kNoFrame = UINT32_MAX;
+
+uint32_t frame_of(const EntityContext& context, std::string_view name) {
+  const auto found = std::ranges::find(context.frames, name);
+  return found == context.frames.end() ? kNoFrame
+                                       : static_cast<uint32_t>(found - context.frames.begin());
+}
+
+/// For each frame of `one` its index in `other`; kNoFrame if the other has no such frame. What
+/// names no frame is in no frame.
+std::vector<uint32_t> shared_frames(const EntityContext& one, const EntityContext& other) {
+  std::vector<uint32_t> shared;
+  shared.reserve(one.frames.size());
+  for (const std::string& frame : one.frames)
+    shared.push_back(frame.empty() ? kNoFrame : frame_of(other, frame));
+  return shared;
+}
+
+}  // namespace
+
+std::string frames_of(const EntityContext& context) {
+  std::string text;
+  for (const std::string& frame : context.frames)
+    if (!frame.empty()) text += (text.empty() ? "'" : ", '") + frame + "'";
+  return text;
+}
+
+Status no_place(const MemoryId& entity, const EntityContext& context, std::string_view frame) {
+  const std::string frames = frames_of(context);
+  if (context.places.size() == 0)
+    return failed_precondition(
+        "'{}' has no place: needs a pose in a member named pose_FRAME_THING, or with a 'frame_id'",
+        entity.to_string());
+  if (frames.empty())
+    return failed_precondition(
+        "'{}' has poses that name no frame: needs a member named pose_FRAME_THING, or a 'frame_id'",
+        entity.to_string());
+  return failed_precondition("'{}' has no place in frame '{}'; it has places in {}",
+                             entity.to_string(), frame, frames);
+}
+
+Result<Met> meet_near(const Asked& asked, const where::Near& near) {
+  const auto& places = asked.context.places;
+  Met met(asked.context.times.size(), 0);
+  const uint32_t frame = frame_of(asked.context, near.frame);
+  if (frame == kNoFrame) {
+    if (asked.is_named) return no_place(asked.id, asked.context, near.frame);
+    return met;
+  }
+  const double limit = near.metres * near.metres;
+  const double* position = places.position.data();
+  for (size_t i = 0; i < places.size(); ++i, position += 3)
+    if (squared_distance(position, near.point.data()) <= limit && places.frame[i] == frame)
+      met[places.snapshot[i]] = 1;
+  return met;
+}
+
+Result<Met> meet_within(const Asked& asked, const where::Within& within,
+                        const EntityContext& other) {
+  const auto& places = asked.context.places;
+  Met met(asked.context.times.size(), 0);
+  const std::vector<uint32_t> frames = shared_frames(asked.context, other);
+  if (std::ranges::all_of(other.frames, [](const std::string& f) { return f.empty(); }))
+    return no_place(within.entity, other, "");
+  if (std::ranges::all_of(frames, [](uint32_t frame) { return frame == kNoFrame; })) {
+    if (!asked.is_named) return met;
+    if (frames_of(asked.context).empty()) return no_place(asked.id, asked.context, "");
+    return failed_precondition("'{}' and '{}' have no frame in common: places are in {} and in {}",
+                               asked.id.to_string(), within.entity.to_string(),
+                               frames_of(asked.context), frames_of(other));
+  }
+  const double limit = within.metres * within.metres;
+  // The rows of the other one as it was then: those of its last snapshot until then.
+  uint32_t latest = 0;  // One behind it.
+  size_t first = 0;
+  size_t last = 0;
+  for (size_t i = 0; i < places.size(); ++i) {
+    const Time time = asked.context.times[places.snapshot[i]];
+    if (latest < other.times.size() && other.times[latest] <= time) {
+      while (latest < other.times.size() && other.times[latest] <= time) ++latest;
+      while (first < other.places.size() && other.places.snapshot[first] + 1 < latest) ++first;
+      last = first;
+      while (last < other.places.size() && other.places.snapshot[last] + 1 == latest) ++last;
+    }
+    for (size_t j = first; j < last; ++j)
+      if (frames[places.frame[i]] == other.places.frame[j] &&
+          squared_distance(&places.position[3 * i], &other.places.position[3 * j]) <= limit)
+        met[places.snapshot[i]] = 1;
+  }
+  return met;
+}
+
+}  // namespace engram::ltm

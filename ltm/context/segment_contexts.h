@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <stop_token>
+
+#include "ltm/context/entity_context.h"
+#include "ltm/core/progress.h"
+#include "ltm/memory/result.h"
+#include "ltm/store/store_reader.h"
+
+namespace engram::ltm {
+
+/// Decodes a snapshot of which only latents are left.
+using DecodeLatents =
+    std::function<Result<SnapshotResult>(const MemoryId& entity, const SnapshotEntry& entry)>;
+
+/// The context of an entity in one generation of a store: from the indexes of its segments, and of
+/// what they do not have from its values. A snapshot that is damaged or cannot be decoded has no
+/// places and links.
+/// Errors: kNotFound if there is no such entity; those of StoreReader::index.
+/// Complexity: O(n) with indexes; without them all values of the entity are read.
+Result<EntityContext> context_in_store(StoreReader& store, const MemoryId& entity,
+                                       const DecodeLatents& decode);
+
+/// What index_contexts() did.
+struct ContextIndexing {
+  uint64_t segments = 0;   ///< That got an index.
+  uint64_t snapshots = 0;  ///< That are in these indexes.
+  uint64_t left = 0;       ///< Segments without an index, because time was over.
+};
+
+/// Makes the index of places and links of each segment that has none. It may run beside a live
+/// writer and other jobs; a kill loses the index at hand.
+/// Errors: kCancelled on `stop`; kUnavailable, kResourceExhausted. A segment that cannot be read is
+/// logged and left out.
+/// Source: docs/query.md, "Places"; docs/format.md, "Indexes".
+Result<ContextIndexing> index_contexts(StoreReader& store, const DecodeLatents& decode,
+                                       const std::function<bool()>& is_over,
+                                       const ProgressSink& progress, const std::stop_token& stop);
+
+}  // namespace engram::ltm
