@@ -18,10 +18,13 @@ class Exporter {
         progress_(progress),
         stop_(std::move(stop)) {}
 
-  Status run(const ltm::MemoryId& entity, const std::vector<ltm::SnapshotQuery>& queries) {
+  Status run(const ltm::MemoryId& entity, const ltm::Query& query) {
     ENGRAM_RETURN_IF_ERROR(sink_.begin(entity));
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall_.store().timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor, SnapshotCursor::create(*timeline, queries));
+    ENGRAM_ASSIGN_OR_RETURN(
+        SnapshotCursor cursor,
+        SnapshotCursor::create(*timeline, query.snapshots_of(entity),
+                               recall_.listed(entity, query.named_entities().has_value())));
     while (!stop_.stop_requested()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
       if (!step) break;
@@ -67,7 +70,7 @@ Status export_snapshots(ltm::Recall& recall, const ltm::Query& query,
   Exporter exporter(recall, options, sink, progress, stop);
   for (const ltm::MemoryId& entity : entities) {
     if (stop.stop_requested()) break;
-    ENGRAM_RETURN_IF_ERROR(exporter.run(entity, query.snapshots_of(entity)));
+    ENGRAM_RETURN_IF_ERROR(exporter.run(entity, query));
   }
   ENGRAM_RETURN_IF_ERROR(sink.finish());
   if (stop.stop_requested())

@@ -50,7 +50,8 @@ Result<EpisodeCursors> EpisodeCursors::create(ltm::Recall& recall, const ltm::Qu
     const ltm::MemoryId& entity = entities[i].entity;
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor snapshots,
-                            SnapshotCursor::create(*timeline, query.snapshots_of(entity)));
+                            SnapshotCursor::create(*timeline, query.snapshots_of(entity),
+                                                   recall.listed(entity, false)));
     cursors.cursors_.push_back({std::move(snapshots), std::nullopt});
     ENGRAM_RETURN_IF_ERROR(cursors.advance(i));
   }

@@ -43,10 +43,12 @@ Result<MergedSnapshots> MergedSnapshots::create(ltm::Recall& recall, const ltm::
                                                 const ltm::Recall::Options& options) {
   MergedSnapshots merged(recall, options);
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, exported_entities(recall, query));
+  const bool is_named = query.named_entities().has_value();
   for (const ltm::MemoryId& entity : entities) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, recall.store().timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor,
-                            SnapshotCursor::create(*timeline, query.snapshots_of(entity)));
+                            SnapshotCursor::create(*timeline, query.snapshots_of(entity),
+                                                   recall.listed(entity, is_named)));
     Source source{entity, std::move(cursor), std::nullopt};
     ENGRAM_RETURN_IF_ERROR(advance(source));
     if (source.step) merged.sources_.push_back(std::move(source));

@@ -19,10 +19,19 @@ std::optional<Time> after(Time time) {
 }  // namespace
 
 Result<SnapshotCursor> SnapshotCursor::create(ltm::Timeline& timeline,
-                                              const std::vector<ltm::SnapshotQuery>& queries) {
+                                              const std::vector<ltm::SnapshotQuery>& queries,
+                                              const ltm::ListMoments& listed) {
   SnapshotCursor cursor(timeline);
   ltm::TimelineMoments moments(timeline);
+  if (!listed) ENGRAM_RETURN_IF_ERROR(ltm::refuse_conditions(queries, "selection"));
   for (const ltm::SnapshotQuery& query : queries) {
+    if (!query.conditions.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(std::vector<Time> times, listed(query.conditions));
+      ltm::ListedMoments met(std::move(times));
+      ENGRAM_ASSIGN_OR_RETURN(const auto among, ltm::select_times(query.selector, met));
+      if (among.snapshots) cursor.spans_.push_back({*among.snapshots, query.instances, met});
+      continue;
+    }
     ENGRAM_ASSIGN_OR_RETURN(const auto selection, ltm::select_times(query.selector, moments));
     if (selection.snapshots) cursor.spans_.push_back({*selection.snapshots, query.instances});
     if (selection.future)
@@ -37,17 +46,29 @@ std::optional<Time> SnapshotCursor::next_start() const {
   std::optional<Time> start;
   for (const Span& span : spans_) {
     if (!from || span.times.last < *from) continue;
-    const Time begin = std::max(span.times.first, *from);
+    Time begin = std::max(span.times.first, *from);
+    if (span.listed) {
+      // A list cannot fail, and the span ends in one of its moments.
+      ltm::ListedMoments listed = *span.listed;
+      begin = **listed.at_or_after(begin);
+    }
     if (!start || begin < *start) start = begin;
   }
   return start;
+}
+
+bool SnapshotCursor::has(const Span& span, Time time) {
+  if (time < span.times.first || time > span.times.last) return false;
+  if (!span.listed) return true;
+  ltm::ListedMoments listed = *span.listed;
+  return *listed.at_or_after(time) == time;
 }
 
 std::vector<int32_t> SnapshotCursor::instances_at(Time time) const {
   std::set<int32_t> indices;
   for (const std::vector<Span>* spans : {&spans_, &future_})
     for (const Span& span : *spans) {
-      if (time < span.times.first || time > span.times.last) continue;
+      if (!has(span, time)) continue;
       if (span.instances.empty()) return {};
       indices.insert(span.instances.begin(), span.instances.end());
     }

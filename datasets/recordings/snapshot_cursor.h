@@ -16,9 +16,11 @@ namespace engram::datasets {
 /// Threading: one thread. The timeline must outlive it.
 class SnapshotCursor {
  public:
-  /// Errors, also of next(): those of Timeline.
+  /// `listed` answers conditions; without it they are refused.
+  /// Errors: those of Timeline, also of next(); those of `listed`.
   static Result<SnapshotCursor> create(ltm::Timeline& timeline,
-                                       const std::vector<ltm::SnapshotQuery>& queries);
+                                       const std::vector<ltm::SnapshotQuery>& queries,
+                                       const ltm::ListMoments& listed = {});
 
   /// One snapshot. Selected moments after the entity's last snapshot come at the end; their entry
   /// has no forms.
@@ -34,10 +36,13 @@ class SnapshotCursor {
   struct Span {
     ltm::Selection::Span times;
     std::vector<int32_t> instances;
+    /// The moments that it has, if it does not have all between its ends.
+    std::optional<ltm::ListedMoments> listed{};
   };
 
   explicit SnapshotCursor(ltm::Timeline& timeline) : timeline_(&timeline) {}
 
+  [[nodiscard]] static bool has(const Span& span, Time time);
   std::optional<Time> next_start() const;
   std::vector<int32_t> instances_at(Time time) const;
 

@@ -81,7 +81,8 @@ class DayLister {
     if (selects_all(query_, entity)) return std::optional<std::set<Day>>();
     std::set<Day> days;
     ENGRAM_ASSIGN_OR_RETURN(SnapshotCursor cursor,
-                            SnapshotCursor::create(timeline, query_.snapshots_of(entity)));
+                            SnapshotCursor::create(timeline, query_.snapshots_of(entity),
+                                                   recall_.listed(entity, false)));
     while (true) {
       if (stop_.stop_requested()) return cancelled("export was stopped");
       ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
@@ -120,7 +121,7 @@ class DayLister {
 
 bool selects_all(const ltm::Query& query, const ltm::MemoryId& entity) {
   return std::ranges::any_of(query.snapshots_of(entity), [](const ltm::SnapshotQuery& each) {
-    return std::holds_alternative<ltm::select::All>(each.selector);
+    return std::holds_alternative<ltm::select::All>(each.selector) && each.conditions.empty();
   });
 }
 

@@ -33,7 +33,7 @@ Result<IsNamed> named_by_query(const std::string& text) {
       for (const auto& provider : core.below)
         for (const auto& entity : provider.below)
           for (const auto& snapshots : entity.below)
-            if (!selects(snapshots.selector, 0, {}))
+            if (!snapshots.conditions.empty() || !selects(snapshots.selector, 0, {}))
               return invalid_argument(
                   "'{}': selects by what else there is, needs a day, a time, a range of times or "
                   "all",

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "ltm/memory/select.h"
+#include "ltm/recall/list_moments.h"
 
 namespace engram::ltm {
 
@@ -55,6 +56,19 @@ Result<std::vector<bool>> selected(StorePast& past, const SimilarRequest& reques
     return invalid_argument("the query '{}' selects nothing of '{}', whose moments are searched",
                             request.among->to_string(), request.entity.to_string());
   for (const SnapshotQuery& query : queries) {
+    if (!query.conditions.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(
+          const auto met,
+          select_snapshots(
+              {&query, 1}, *entity,
+              list_moments(past, request.entity, request.among->named_entities().has_value())));
+      for (const SelectedSnapshot& one : met) {
+        const auto found = std::ranges::lower_bound(coded.times, one.time);
+        if (found != coded.times.end() && *found == one.time)
+          is_selected[static_cast<size_t>(found - coded.times.begin())] = true;
+      }
+      continue;
+    }
     ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, *entity));
     if (!selection.snapshots) continue;  // Nothing, or a prediction.
     const auto first = std::ranges::lower_bound(coded.times, selection.snapshots->first);

@@ -91,7 +91,9 @@ class Reflector {
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store_.timeline(entity));
     TimelineMoments moments(*timeline);
     std::vector<TimeSpan> spans;
-    for (const SnapshotQuery& query : options_.query->snapshots_of(entity)) {
+    const std::vector<SnapshotQuery> queries = options_.query->snapshots_of(entity);
+    ENGRAM_RETURN_IF_ERROR(refuse_conditions(queries, "reflect"));
+    for (const SnapshotQuery& query : queries) {
       ENGRAM_ASSIGN_OR_RETURN(const Selection selected, select_times(query.selector, moments));
       if (selected.snapshots)
         spans.push_back({selected.snapshots->first, selected.snapshots->last});
