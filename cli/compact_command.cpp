@@ -5,7 +5,9 @@
 #include "ltm/core/config.h"
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
+#include "ltm/recall/index_store.h"
 #include "ltm/store/rewrite.h"
+#include "memory/model_loader.h"
 #include "reports/plain/compact_text.h"
 
 namespace engram::cli {
@@ -38,6 +40,12 @@ Result<uint64_t> parse_bytes(const std::string& text) {
   return value.bytes();
 }
 
+/// Segments that were joined have no index of places and links yet.
+void index_places(const std::string& store) {
+  const auto indexed = ltm::index_store(store, model_loader(), {}, {}, interrupt_token());
+  if (!indexed.ok()) log::warning("places and links have no index: {}", indexed.status().message());
+}
+
 ExitCode run(const CompactArguments& arguments) {
   ltm::CompactOptions options;
   const auto bytes = parse_bytes(arguments.segment_size);
@@ -50,6 +58,7 @@ ExitCode run(const CompactArguments& arguments) {
   if (!report.ok()) return fail(report.status());
   if (const Status status = ltm::merge_accesses(arguments.store); !status.ok())
     log::warning("access logs stay as they are: {}", status.message());
+  if (!report->is_cancelled) index_places(arguments.store);
   if (arguments.is_json)
     print_json(reports::compact_json(*report));
   else

@@ -5,6 +5,9 @@
 #include "cli/interrupt.h"
 #include "cli/learning_module.h"
 #include "cli/progress_line.h"
+#include "ltm/core/log.h"
+#include "ltm/recall/index_store.h"
+#include "memory/model_loader.h"
 #include "reports/plain/recover_text.h"
 
 namespace engram::cli {
@@ -40,6 +43,13 @@ ExitCode run(const RecoverArguments& arguments) {
   ProgressLine progress;
   const auto report = ltm::recover_store(arguments.source, arguments.target, options,
                                          progress.sink(), interrupt_token());
+  if (report.ok()) {
+    // Indexes of segments that were not copied whole are made anew; answers do without them.
+    const auto indexed =
+        ltm::index_store(arguments.target, model_loader(), {}, progress.sink(), interrupt_token());
+    if (!indexed.ok())
+      log::warning("places and links have no index: {}", indexed.status().message());
+  }
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)

@@ -25,6 +25,7 @@ RECIPES: dict[str, tuple[list[str], str]] = {
     "demo.engram": ([], "engram simulate kitchen demo.engram --fast --seconds 2 && engram "
                     "consolidate demo.engram --entity Vision/RGB/head/stereo --steps 2 --psnr 26 "
                     "--video h264"),
+    "kitchen.engram": ([], "engram simulate kitchen kitchen.engram --fast --seconds 20 --seed 1"),
     "recording.mcap": (["robot.engram"],
                        "engram export robot.engram '@ all' --to mcap -o recording.mcap"),
     "demos.hdf5": (["robot.engram"],

@@ -14,6 +14,7 @@
 #include "encoders/load_model.h"
 #include "ltm/core/local_time.h"
 #include "ltm/core/log.h"
+#include "ltm/recall/index_store.h"
 #include "ltm/store/checkpoint_file.h"
 #include "ltm/store/night_lock.h"
 #include "ltm/store/store_reader.h"
@@ -223,6 +224,21 @@ Result<std::vector<ltm::EntityCoding>> code_images(const std::filesystem::path& 
   return ltm::make_codes(store, encoders::load_model, codes, pace.progress(), pace.stop());
 }
 
+/// What the night published has no index of places and links yet. Questions are answered without
+/// one, only later, so a night does not fail for it.
+void index_places(const std::filesystem::path& store, const ConsolidateOptions& options,
+                  JobPace& pace) {
+  const auto indexed = ltm::index_store(
+      store, encoders::load_model,
+      [&options, &pace] {
+        return (options.job.until && system_now() >= *options.job.until) || !pace.pause().ok();
+      },
+      {}, pace.stop());
+  if (!indexed.ok() && indexed.status().code() != StatusCode::kCancelled)
+    log::warning("store '{}': places and links have no index: {}", store.string(),
+                 indexed.status().message());
+}
+
 }  // namespace
 
 Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
@@ -266,6 +282,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
     one.costs = *job.costs;
   }
   ENGRAM_ASSIGN_OR_RETURN(report.codes, code_images(store, jobs, options, pace));
+  index_places(store, options, pace);
   return report;
 }
 
