@@ -124,6 +124,47 @@ TEST_P(FrontDoor, FindsMomentsLikeAnotherOneWhereItHasTheStore) {
   EXPECT_EQ(memory->similar(request)->compared, 31u);
 }
 
+TEST_P(FrontDoor, AnswersByPlaceAndContext) {
+  const auto pose = [](double x) {
+    return idf::Data(idf::Dict{{"position", idf::NdArray::take<double>({3}, {x, 0, 0})},
+                               {"orientation", idf::NdArray::take<double>({4}, {1, 0, 0, 0})}});
+  };
+  const ltm::MemoryId push = *ltm::MemoryId::parse("Objects/Actions/robot/push");
+  for (int64_t step = 0; step < 30; ++step) {
+    ltm::Commit commit = at(step, 0);
+    const Time time = commit.updates[0].time;
+    commit.updates[0].instances[0].data =
+        idf::Dict{{"pose_world_cup", pose(0.1 * static_cast<double>(step))}};
+    if (step == 10)
+      commit.updates.push_back(
+          {push,
+           time,
+           {{idf::Dict{{"started", to_ns(time)},
+                       {"ended", to_ns(time + milliseconds(900))},
+                       {"what", kCup.at(time - milliseconds(200)).to_string()}},
+             {}}}});
+    ASSERT_OK(memory->commit(commit));
+  }
+  const auto count = [this](const std::string& query) {
+    const auto answer = memory->query(query);
+    EXPECT_OK(answer);
+    const auto* cup = answer.ok() ? answer->find_entity(kCup) : nullptr;
+    return cup == nullptr ? -1 : static_cast<int>(cup->snapshots.size());
+  };
+  const std::string cup = kCup.to_string();
+  EXPECT_EQ(count(cup + " @ all near 1,0,0 25cm"), 5);
+  EXPECT_EQ(count(cup + " @ all while " + push.to_string()), 5);
+  EXPECT_EQ(count(cup + " @ all links-from " + push.to_string()), 1);
+  EXPECT_EQ(count(cup + " @ all near 1,0,0 25cm not while " + push.to_string()), 2);
+  const auto last = memory->query(cup + " @ latest near 1,0,0 25cm");
+  ASSERT_OK(last);
+  EXPECT_EQ(last->find_entity(kCup)->snapshots.at(0).time, at(12, 0).updates[0].time);
+  EXPECT_FAILS(memory->query(cup + " @ all in-view Vision/x/y/camera"), StatusCode::kNotFound,
+               "Vision/x/y/camera");
+  EXPECT_FAILS(memory->query(cup + " @ all near 1,0,0 25cm in map"),
+               StatusCode::kFailedPrecondition, "no place in frame 'map'");
+}
+
 TEST_P(FrontDoor, PredictsFromAnEarlierMoment) {
   for (int64_t step = 0; step < 30; ++step)
     ASSERT_OK(memory->commit(at(step, step < 20 ? 0.1 * static_cast<double>(step) : 50.0)));
