@@ -4,7 +4,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
-#include "ltm/likeness/similar.h"
+#include "ltm/likeness/store_likeness.h"
 #include "ltm/recording/recording_config.h"
 #include "memory/live/local_subscription.h"
 #include "memory/live/memory_service.h"

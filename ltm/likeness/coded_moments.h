@@ -2,15 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <stop_token>
 #include <string>
 #include <vector>
 
-#include "ltm/core/progress.h"
 #include "ltm/core/sequences.h"
 #include "ltm/likeness/likeness_space.h"
-#include "ltm/recall/store_past.h"
+#include "ltm/memory/sight.h"
 
 namespace engram::ltm {
 
@@ -20,46 +19,49 @@ enum class CodedBy {
   kNumbers,  ///< Of its numbers: their standardised values, and their changes in 0.4 s.
 };
 
-/// The codes of all moments of one entity that have one: N of them, with K numbers each.
+/// How far back the changes of numbers reach.
+inline constexpr Duration kChangeLag = std::chrono::milliseconds(400);
+
+/// The codes of moments of one entity: N of them, with K numbers each.
+///
+/// Threading: immutable, const-parallel.
 struct CodedMoments {
   CodedBy coded_by = CodedBy::kImages;
   LikenessSpace space;           ///< Of images.
   bool is_stored_space = false;  ///< It is kept with the store. Otherwise it was learned just now.
   std::vector<Time> times;       ///< N, increasing.
   size_t numbers = 0;            ///< K.
-  std::vector<float> codes;      ///< [N, K]
+  std::vector<int8_t> bytes;     ///< [N, K], of images.
+  std::vector<float> floats;     ///< [N, K], of numbers.
   std::vector<Sequence> recordings;  ///< Cover all N.
-  uint64_t computed = 0;             ///< Codes that were not stored, so that images were decoded.
+  double spread = 0;  ///< The distance of two moments at random, per number: the unit of distances.
 
   [[nodiscard]] size_t size() const { return times.size(); }
-  [[nodiscard]] std::span<const float> code(size_t moment) const {
-    return std::span(codes).subspan(moment * numbers, numbers);
-  }
 
   /// The last moment at or before a time; nothing if all are later.
   [[nodiscard]] std::optional<size_t> at_or_before(Time time) const;
 
-  /// For each moment the one that was `lag` before it in the same recording, or the first of its
-  /// recording. Shape: [N].
-  [[nodiscard]] std::vector<size_t> lagged(Duration lag) const;
+  /// The index of the recording that a moment is in.
+  /// Complexity: O(log recordings).
+  [[nodiscard]] size_t recording_of(size_t moment) const;
 
-  /// The distance of two moments at random, per number: the unit of distances.
-  [[nodiscard]] double spread() const;
+  /// The moment that was `lag` before another one in the same recording, or the first of it.
+  [[nodiscard]] size_t before(size_t moment, Duration lag) const;
+
+  /// Finds the recordings and the spread. Call it once all moments are there.
+  void finish();
 
   /// The squares of the distances of all moments from one of them, with what came before each,
   /// 0.2, 0.6, 1 and 2 s before for a context of 2 s. 1: as far as two at random. Shape: [N].
   /// Complexity: O(N K), five times with a context.
-  [[nodiscard]] std::vector<double> square_distances(size_t moment, Duration context) const;
-  /// The same from a code of this space, without what came before. Shape: code [K].
-  [[nodiscard]] std::vector<double> square_distances(std::span<const float> code) const;
-};
+  [[nodiscard]] std::vector<float> square_distances(size_t moment, Duration context) const;
+  /// The same from a code of this space, without what came before. Needs codes of images (checked).
+  /// Shape: code [K].
+  [[nodiscard]] std::vector<float> square_distances(std::span<const int8_t> code) const;
 
-/// Codes of images come from the indexes of segments, and are computed where they are not stored;
-/// without a stored space one is learned. Numbers are read: that takes no longer than reading codes
-/// of them would. Of more than 100,000 moments with numbers an even part is taken.
-/// Errors: kNotFound if there is no such entity; kFailedPrecondition if it has neither images nor
-/// numbers, or too few; kCancelled on `stop`; those of reading.
-Result<CodedMoments> code_moments(StorePast& past, const MemoryId& entity,
-                                  const ProgressSink& progress, const std::stop_token& stop);
+  /// The moments at some times alone, as if there were no others: recordings and spread are theirs.
+  /// Changes of numbers reach back: moments whose changes began at another time are left out.
+  [[nodiscard]] CodedMoments only(const TimeWindows& at) const;
+};
 
 }  // namespace engram::ltm

@@ -3,18 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
+#include "ltm/likeness/nearest_moments.h"
 #include "ltm/memory/select.h"
 #include "ltm/recall/list_moments.h"
+#include "ltm/recall/seen_past.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr double kNever = std::numeric_limits<double>::infinity();
+/// Codes of a million images take forty megabytes.
+constexpr size_t kMaxKeptEntities = 8;
 
 /// The moment of the request among those with codes.
 Result<size_t> moment_of(const CodedMoments& coded, const MemoryId& entity, Time moment) {
@@ -29,8 +31,8 @@ Result<size_t> moment_of(const CodedMoments& coded, const MemoryId& entity, Time
                    entity.to_string(), to_string(moment), before, after);
 }
 
-Result<std::vector<double>> image_distances(const CodedMoments& coded,
-                                            const SimilarRequest& request) {
+Result<std::vector<float>> image_distances(const CodedMoments& coded,
+                                           const SimilarRequest& request) {
   const MemoryId& entity = request.entity;
   if (coded.coded_by != CodedBy::kImages)
     return invalid_argument(
@@ -41,109 +43,18 @@ Result<std::vector<double>> image_distances(const CodedMoments& coded,
   if (*size != coded.space.size && !request.takes_any_size)
     return invalid_argument("'{}': its images have {} pixels and channels, found an image of {}",
                             entity.to_string(), coded.space.size.to_string(), size->to_string());
-  const auto bytes = coded.space.code(descriptor);
-  return coded.square_distances(std::vector<float>(bytes.begin(), bytes.end()));
-}
-
-/// Which moments a query selects of the entity. Shape: [N].
-Result<std::vector<bool>> selected(StorePast& past, const SimilarRequest& request,
-                                   const CodedMoments& coded) {
-  std::vector<bool> is_selected(coded.size(), !request.among.has_value());
-  if (!request.among) return is_selected;
-  ENGRAM_ASSIGN_OR_RETURN(const auto entity, past.of(request.entity));
-  const auto queries = request.among->snapshots_of(request.entity);
-  if (queries.empty())
-    return invalid_argument("the query '{}' selects nothing of '{}', whose moments are searched",
-                            request.among->to_string(), request.entity.to_string());
-  for (const SnapshotQuery& query : queries) {
-    if (!query.conditions.empty()) {
-      ENGRAM_ASSIGN_OR_RETURN(
-          const auto met,
-          select_snapshots(
-              {&query, 1}, *entity,
-              list_moments(past, request.entity, request.among->named_entities().has_value())));
-      for (const SelectedSnapshot& one : met) {
-        const auto found = std::ranges::lower_bound(coded.times, one.time);
-        if (found != coded.times.end() && *found == one.time)
-          is_selected[static_cast<size_t>(found - coded.times.begin())] = true;
-      }
-      continue;
-    }
-    ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, *entity));
-    if (!selection.snapshots) continue;  // Nothing, or a prediction.
-    const auto first = std::ranges::lower_bound(coded.times, selection.snapshots->first);
-    const auto end = std::ranges::upper_bound(coded.times, selection.snapshots->last);
-    std::fill(is_selected.begin() + (first - coded.times.begin()),
-              is_selected.begin() + (end - coded.times.begin()), true);
-  }
-  return is_selected;
+  return coded.square_distances(coded.space.code(descriptor));
 }
 
 /// Adds the weighted distances of another entity; moments that it has nothing for are out.
 void add_part(const CodedMoments& coded, const CodedMoments& part, size_t moment, double weight,
-              Duration context, std::vector<double>& squares) {
+              Duration context, std::vector<float>& squares) {
   const auto own = part.square_distances(moment, context);
   for (size_t i = 0; i < coded.size(); ++i) {
     const auto at = part.at_or_before(coded.times[i]);
-    squares[i] = at ? squares[i] + weight * own[*at] : kNever;
+    squares[i] = at ? squares[i] + static_cast<float>(weight) * own[*at] : kNeverNear;
   }
 }
-
-/// Chooses the nearest moments.
-class Choice {
- public:
-  Choice(const CodedMoments& coded, const SimilarRequest& request)
-      : coded_(coded), request_(request), recording_of_(coded.size()) {
-    for (size_t i = 0; i < coded.recordings.size(); ++i)
-      for (size_t j = coded.recordings[i].first; j < coded.recordings[i].end; ++j)
-        recording_of_[j] = i;
-  }
-
-  /// Leaves out what lies around the moment that was asked with.
-  void leave_out(size_t moment) {
-    taken_.push_back(coded_.times[moment]);
-    if (request_.is_elsewhere) used_.push_back(recording_of_[moment]);
-  }
-
-  std::vector<SimilarMoment> nearest(const std::vector<double>& squares) {
-    const auto is_farther = [&squares](size_t a, size_t b) {
-      return squares[a] != squares[b] ? squares[a] > squares[b] : a > b;
-    };
-    std::vector<size_t> heap;
-    for (size_t i = 0; i < squares.size(); ++i)
-      if (squares[i] != kNever) heap.push_back(i);
-    std::ranges::make_heap(heap, is_farther);
-    std::vector<SimilarMoment> moments;
-    while (!heap.empty() && moments.size() < request_.count) {
-      std::ranges::pop_heap(heap, is_farther);
-      const size_t at = heap.back();
-      heap.pop_back();
-      if (!is_free(at)) continue;
-      const Sequence& recording = coded_.recordings[recording_of_[at]];
-      taken_.push_back(coded_.times[at]);
-      if (request_.is_one_per_recording) used_.push_back(recording_of_[at]);
-      moments.push_back({coded_.times[at], std::sqrt(squares[at]), coded_.times[recording.first],
-                         coded_.times[recording.end - 1]});
-    }
-    return moments;
-  }
-
- private:
-  bool is_free(size_t at) const {
-    if (std::ranges::find(used_, recording_of_[at]) != used_.end()) return false;
-    return std::ranges::none_of(taken_, [&](Time taken) {
-      const Duration away =
-          taken > coded_.times[at] ? taken - coded_.times[at] : coded_.times[at] - taken;
-      return away == Duration::zero() || away < request_.apart;
-    });
-  }
-
-  const CodedMoments& coded_;
-  const SimilarRequest& request_;
-  std::vector<size_t> recording_of_;
-  std::vector<Time> taken_;
-  std::vector<size_t> used_;  ///< Recordings that may not be answered any more.
-};
 
 std::string name_of_space(const CodedMoments& coded) {
   return coded.coded_by == CodedBy::kNumbers ? "numbers" : "images " + coded.space.name();
@@ -166,72 +77,147 @@ Status SimilarRequest::validate() const {
   return {};
 }
 
-Result<std::shared_ptr<const CodedMoments>> LikenessSearch::coded(const MemoryId& entity,
-                                                                  const ProgressSink& progress,
-                                                                  const std::stop_token& stop) {
-  // Codes of a million images take a tenth of a gigabyte.
-  constexpr size_t kMaxKept = 8;
-  if (const auto found = kept_.find(entity); found != kept_.end()) return found->second;
-  ENGRAM_ASSIGN_OR_RETURN(CodedMoments coded, code_moments(past_, entity, progress, stop));
-  if (kept_.size() >= kMaxKept) kept_.clear();
-  return kept_.emplace(entity, std::make_shared<const CodedMoments>(std::move(coded)))
-      .first->second;
-}
+/// One question.
+class LikenessSearch::Question {
+ public:
+  Question(LikenessSearch& search, const SimilarRequest& request, const ProgressSink& progress,
+           const std::stop_token& stop, const View* view)
+      : search_(search),
+        request_(request),
+        progress_(progress),
+        stop_(stop),
+        view_(view),
+        past_(search.past_, search.memory_) {}
 
-Result<std::vector<double>> LikenessSearch::distances(const SimilarRequest& request,
-                                                      const CodedMoments& coded,
-                                                      SimilarAnswer& answer,
-                                                      const ProgressSink& progress,
-                                                      const std::stop_token& stop) {
-  if (request.image) return image_distances(coded, request);
-  ENGRAM_ASSIGN_OR_RETURN(const size_t moment, moment_of(coded, request.entity, *request.moment));
-  auto squares = coded.square_distances(moment, request.context);
-  double weights = 1;
-  for (const SimilarPart& one : request.with) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto part, this->coded(one.entity, progress, stop));
-    const auto at = part->at_or_before(*request.moment);
-    if (!at)
-      return not_found("'{}': has nothing to compare at or before {}", one.entity.to_string(),
-                       to_string(*request.moment));
-    add_part(coded, *part, *at, one.weight, request.context, squares);
-    answer.computed += part->computed;
-    answer.space += " + " + name_of_space(*part);
-    weights += one.weight;
+  Result<SimilarAnswer> answer() {
+    // Working memory before the store: what leaves it from now on is in the store.
+    past_.held(request_.entity);
+    for (const SimilarPart& part : request_.with) past_.held(part.entity);
+    ENGRAM_RETURN_IF_ERROR(past_.follow());
+    answer_.entity = request_.entity;
+    ENGRAM_ASSIGN_OR_RETURN(const auto coded, this->coded(request_.entity));
+    answer_.is_stored_space = coded->is_stored_space;
+    ENGRAM_ASSIGN_OR_RETURN(auto squares, distances(*coded));
+    ENGRAM_RETURN_IF_ERROR(select(*coded, squares));
+    answer_.compared = static_cast<uint64_t>(
+        std::ranges::count_if(squares, [](float square) { return square != kNeverNear; }));
+    answer_.moments = nearest_moments(*coded, squares, request_, asked_);
+    return std::move(answer_);
   }
-  for (double& square : squares) square /= weights;
-  return squares;
-}
+
+ private:
+  /// The codes that may be compared.
+  Result<std::shared_ptr<const CodedMoments>> coded(const MemoryId& entity) {
+    const Sight sight = sight_of(view_, entity);
+    const Status unseen = not_found("'{}': there is no such entity", entity.to_string());
+    if (sight.times.empty()) return unseen;
+    auto coder = search_.coders_.find(entity);
+    if (coder == search_.coders_.end()) {
+      if (search_.coders_.size() >= kMaxKeptEntities) search_.coders_.clear();
+      coder = search_.coders_.try_emplace(entity, entity).first;
+    }
+    auto coded = coder->second.code(past_, progress_, stop_);
+    if (coded.status().code() == StatusCode::kNotFound) search_.coders_.erase(coder);
+    // The message names the entities that there are.
+    if (coded.status().code() == StatusCode::kNotFound && view_ != nullptr) return unseen;
+    ENGRAM_RETURN_IF_ERROR(coded.status());
+    answer_.computed += coded->computed;
+    answer_.space += (answer_.space.empty() ? "" : " + ") + name_of_space(*coded->moments);
+    const bool is_image = coded->moments->coded_by == CodedBy::kImages;
+    const TimeWindows& seen = is_image ? sight.exact : sight.times;
+    if (seen.is_all()) return coded->moments;
+    auto some = std::make_shared<const CodedMoments>(coded->moments->only(seen));
+    if (some->size() > 0) return some;
+    if (is_image && coded->moments->only(sight.times).size() > 0)
+      return failed_precondition("'{}': its images may be seen redacted only, and are not compared",
+                                 entity.to_string());
+    return unseen;
+  }
+
+  Result<std::vector<float>> distances(const CodedMoments& coded) {
+    if (request_.image) return image_distances(coded, request_);
+    ENGRAM_ASSIGN_OR_RETURN(const size_t moment,
+                            moment_of(coded, request_.entity, *request_.moment));
+    asked_ = moment;
+    auto squares = coded.square_distances(moment, request_.context);
+    double weights = 1;
+    for (const SimilarPart& one : request_.with) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto part, this->coded(one.entity));
+      const auto at = part->at_or_before(*request_.moment);
+      if (!at)
+        return not_found("'{}': has nothing to compare at or before {}", one.entity.to_string(),
+                         to_string(*request_.moment));
+      add_part(coded, *part, *at, one.weight, request_.context, squares);
+      weights += one.weight;
+    }
+    for (float& square : squares) square /= static_cast<float>(weights);
+    return squares;
+  }
+
+  /// Takes out what the query of the request does not select.
+  Status select(const CodedMoments& coded, std::vector<float>& squares) {
+    if (!request_.among) return {};
+    const auto queries = request_.among->snapshots_of(request_.entity);
+    if (queries.empty())
+      return invalid_argument("the query '{}' selects nothing of '{}', whose moments are searched",
+                              request_.among->to_string(), request_.entity.to_string());
+    ENGRAM_ASSIGN_OR_RETURN(auto entity, past_.of(request_.entity));
+    if (view_ != nullptr) {
+      ENGRAM_ASSIGN_OR_RETURN(entity,
+                              seen_past(std::move(entity), sight_of(view_, request_.entity).times));
+    }
+    std::vector<bool> is_selected(coded.size(), false);
+    for (const SnapshotQuery& query : queries) {
+      if (entity == nullptr) break;
+      if (!query.conditions.empty()) {
+        ENGRAM_ASSIGN_OR_RETURN(const auto met,
+                                select_snapshots({&query, 1}, *entity, list_meeting()));
+        for (const SelectedSnapshot& one : met) {
+          const auto found = std::ranges::lower_bound(coded.times, one.time);
+          if (found != coded.times.end() && *found == one.time)
+            is_selected[static_cast<size_t>(found - coded.times.begin())] = true;
+        }
+        continue;
+      }
+      ENGRAM_ASSIGN_OR_RETURN(const Selection selection, select_times(query.selector, *entity));
+      if (!selection.snapshots) continue;  // Nothing, or a prediction.
+      const auto first = std::ranges::lower_bound(coded.times, selection.snapshots->first);
+      const auto end = std::ranges::upper_bound(coded.times, selection.snapshots->last);
+      std::fill(is_selected.begin() + (first - coded.times.begin()),
+                is_selected.begin() + (end - coded.times.begin()), true);
+    }
+    for (size_t i = 0; i < squares.size(); ++i)
+      if (!is_selected[i]) squares[i] = kNeverNear;
+    return {};
+  }
+
+  /// What answers the conditions of the query, as the view sees them.
+  ListMoments list_meeting() {
+    return list_moments(
+        past_,
+        [this](const MemoryId& entity) -> Result<std::unique_ptr<EntityPast>> {
+          ENGRAM_ASSIGN_OR_RETURN(auto past, past_.of(entity));
+          if (view_ == nullptr) return past;
+          return seen_past(std::move(past), sight_of(view_, entity).times);
+        },
+        request_.entity, request_.among->named_entities().has_value());
+  }
+
+  LikenessSearch& search_;
+  const SimilarRequest& request_;
+  const ProgressSink& progress_;
+  const std::stop_token& stop_;
+  const View* const view_;
+  ComparedPast past_;
+  SimilarAnswer answer_;
+  std::optional<size_t> asked_;
+};
 
 Result<SimilarAnswer> LikenessSearch::find(const SimilarRequest& request,
                                            const ProgressSink& progress,
-                                           const std::stop_token& stop) {
+                                           const std::stop_token& stop, const View* view) {
   ENGRAM_RETURN_IF_ERROR(request.validate());
-  ENGRAM_ASSIGN_OR_RETURN(const auto coded, this->coded(request.entity, progress, stop));
-  SimilarAnswer answer{
-      request.entity, name_of_space(*coded), coded->is_stored_space, 0, coded->computed, {}};
-  ENGRAM_ASSIGN_OR_RETURN(auto squares, distances(request, *coded, answer, progress, stop));
-  ENGRAM_ASSIGN_OR_RETURN(const auto is_selected, selected(past_, request, *coded));
-  for (size_t i = 0; i < squares.size(); ++i)
-    if (!is_selected[i]) squares[i] = kNever;
-  answer.compared = static_cast<uint64_t>(
-      std::ranges::count_if(squares, [](double square) { return square != kNever; }));
-  Choice choice(*coded, request);
-  if (request.moment) choice.leave_out(*coded->at_or_before(*request.moment));
-  answer.moments = choice.nearest(squares);
-  return answer;
-}
-
-Result<SimilarAnswer> StoreLikeness::similar(const SimilarRequest& request) {
-  const MutexLock lock(mutex_);
-  // Taken before the store is opened, so that a change between the two is noticed the next time.
-  StoreMark now = look_at_store(store_);
-  if (search_ == nullptr || now != mark_) {
-    search_.reset();
-    ENGRAM_ASSIGN_OR_RETURN(past_, StorePast::open(store_, loader_, {}));
-    search_ = std::make_unique<LikenessSearch>(*past_);
-    mark_ = std::move(now);
-  }
-  return search_->find(request);
+  return Question(*this, request, progress, stop, view).answer();
 }
 
 }  // namespace engram::ltm

@@ -2,67 +2,50 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <stop_token>
-#include <utility>
 #include <vector>
 
-#include "ltm/core/mutex.h"
 #include "ltm/core/progress.h"
-#include "ltm/likeness/coded_moments.h"
+#include "ltm/likeness/moment_coder.h"
 #include "ltm/likeness/similar_moments.h"
-#include "ltm/recall/store_past.h"
+#include "ltm/memory/sight.h"
 
 namespace engram::ltm {
 
 /// Finds the moments of an entity that are like one of its moments, or like an image. All of them
-/// are compared, so none is missed. The codes of the entities that were searched last are kept, so
-/// that the next question about them reads nothing.
+/// are compared, so none is missed. The codes of the entities that were searched last are kept for
+/// the next questions.
 ///
-/// Threading: one thread.
+/// Threading: one thread; the working memory may be used at the same time.
 /// Source: docs/recall.md, section "When was it like this before?".
 class LikenessSearch {
  public:
-  /// Shows the past as it is now; `past` must outlive it.
-  explicit LikenessSearch(StorePast& past) : past_(past) {}
+  /// Both must outlive it. The past is shown as it is now, or, if it follows changes, as it is at
+  /// each question. What `memory` holds is compared, too; null: there is none.
+  explicit LikenessSearch(StorePast& past, const WorkingMemory* memory = nullptr)
+      : past_(past), memory_(memory) {}
 
+  /// `view` is what may be seen by who asks; null: everything. The answer is as if there were
+  /// nothing else: no other moment is compared, and the distance of two moments at random is that
+  /// of those that are seen. Images that may be seen redacted only are not compared, because their
+  /// codes tell of what is hidden.
   /// Errors: kInvalidArgument if the request does not validate, if the image is none or of another
   /// size; kNotFound if there is no such entity or moment; kFailedPrecondition if the entity has
-  /// neither images nor numbers; kCancelled on `stop`; those of reading.
+  /// neither images nor numbers, or if its images may be seen redacted only; kCancelled on `stop`;
+  /// those of reading.
   /// Complexity: linear in the number of moments.
   Result<SimilarAnswer> find(const SimilarRequest& request, const ProgressSink& progress = {},
-                             const std::stop_token& stop = {});
+                             const std::stop_token& stop = {}, const View* view = nullptr);
+
+  /// Drops what is kept for the next questions.
+  void forget_codes() { coders_.clear(); }
 
  private:
-  Result<std::shared_ptr<const CodedMoments>> coded(const MemoryId& entity,
-                                                    const ProgressSink& progress,
-                                                    const std::stop_token& stop);
-  Result<std::vector<double>> distances(const SimilarRequest& request, const CodedMoments& coded,
-                                        SimilarAnswer& answer, const ProgressSink& progress,
-                                        const std::stop_token& stop);
+  class Question;
 
   StorePast& past_;
-  std::map<MemoryId, std::shared_ptr<const CodedMoments>> kept_;
-};
-
-/// Answers what is like what in a store, as the store is at each question.
-///
-/// Threading: thread-safe; questions take turns.
-class StoreLikeness {
- public:
-  StoreLikeness(std::filesystem::path store, ModelLoader loader)
-      : store_(std::move(store)), loader_(std::move(loader)) {}
-
-  /// Errors: those of LikenessSearch::find and StoreReader::open.
-  Result<SimilarAnswer> similar(const SimilarRequest& request);
-
- private:
-  const std::filesystem::path store_;
-  const ModelLoader loader_;
-  Mutex mutex_;
-  StoreMark mark_ ENGRAM_GUARDED_BY(mutex_);  ///< Of the store as `past_` shows it.
-  std::unique_ptr<StorePast> past_ ENGRAM_GUARDED_BY(mutex_);
-  std::unique_ptr<LikenessSearch> search_ ENGRAM_GUARDED_BY(mutex_);
+  const WorkingMemory* const memory_;
+  std::map<MemoryId, MomentCoder> coders_;
 };
 
 }  // namespace engram::ltm

@@ -38,6 +38,7 @@ struct StoreReader::State {
   std::filesystem::path path;
   Manifest manifest;
   std::vector<File> journals;
+  std::vector<uint64_t> journal_numbers;  ///< Of each of `journals`.
   std::map<MemoryId, std::vector<JournalEntry>> journal_entries;
   /// Drops after the last frame, and their bytes.
   std::map<MemoryId, std::pair<uint64_t, uint64_t>> journal_trailing;
@@ -68,6 +69,7 @@ struct StoreReader::State {
       ENGRAM_RETURN_IF_ERROR(scan.status());
       journal_damaged += scan->damaged;
       journals.push_back(std::move(journal));
+      journal_numbers.push_back(number);
     }
     return {};
   }
@@ -287,6 +289,16 @@ Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& ent
     return Status();
   }));
   return &state_->indices.emplace(entity, std::move(entries)).first->second;
+}
+
+std::vector<SnapshotEntry> StoreReader::unsealed(const MemoryId& entity) const {
+  return state_->journal_snapshots(entity);
+}
+
+uint64_t StoreReader::journal_number(const SnapshotEntry::Location& in_journal) const {
+  ENGRAM_CHECK(in_journal.rows == 0 && in_journal.source < state_->journal_numbers.size(),
+               "there is no journal {}", in_journal.source);
+  return state_->journal_numbers[in_journal.source];
 }
 
 Result<PackedSnapshot> StoreReader::read_packed(const MemoryId& entity,

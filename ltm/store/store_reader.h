@@ -75,6 +75,14 @@ class StoreReader {
   /// a segment meanwhile; open the store again then.
   Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);
 
+  /// The snapshots of the entity that are in journals, in the order of time; empty if it has none
+  /// there. Reads nothing.
+  [[nodiscard]] std::vector<SnapshotEntry> unsealed(const MemoryId& entity) const;
+
+  /// The number of the journal that a location with zero rows is in. No other journal of this store
+  /// ever has it.
+  [[nodiscard]] uint64_t journal_number(const SnapshotEntry::Location& in_journal) const;
+
   /// Number of places in journals, including sealed ones, where acknowledged data was damaged.
   [[nodiscard]] uint64_t damaged_places() const;
 

@@ -3,6 +3,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/likeness/make_codes.h"
+#include "ltm/likeness/store_likeness.h"
 #include "ltm/likeness/stored_codes.h"
 #include "ltm/store/rewrite.h"
 #include "ltm/store/segment_index.h"
@@ -140,6 +141,119 @@ TEST_F(SimilarTest, ComparesNumbersAndSeveralEntities) {
   ASSERT_OK(both);
   EXPECT_EQ(place_of(both->moments.front().time).second % 40, 30);
   EXPECT_THAT(both->space, ::testing::HasSubstr(" + numbers"));
+}
+
+/// Sees one recording of each entity, and images of another one redacted.
+class OneRoom final : public View {
+ public:
+  explicit OneRoom(int64_t recording) : recording_(recording) {}
+
+  [[nodiscard]] Sight of(const MemoryId& entity) const override {
+    Sight sight;
+    if (entity == arm_entity()) sight.times = window(0);
+    if (entity == example_entity()) {
+      sight.times = window(recording_);
+      sight.times.add({example_time(20'000), example_time(30'000)});
+      sight.exact = window(recording_);
+    }
+    return sight;
+  }
+
+ private:
+  static TimeWindows window(int64_t recording) {
+    TimeWindows windows;
+    windows.add({example_time(recording * 10'000), example_time(recording * 10'000 + 9'999)});
+    return windows;
+  }
+
+  const int64_t recording_;
+};
+
+TEST_F(SimilarTest, ComparesOnlyWhatMayBeSeen) {
+  const auto past = StorePast::open(store_, {}, {});
+  ASSERT_OK(past);
+  LikenessSearch search(**past);
+  const auto ask = [&search](const SimilarRequest& request, int64_t recording) {
+    const OneRoom view(recording);
+    return search.find(request, {}, {}, &view);
+  };
+  SimilarRequest request = like(1, 40);
+  request.count = 1000;
+  request.apart = Duration::zero();
+  const auto seen = ask(request, 1);
+  ASSERT_OK(seen);
+  EXPECT_EQ(seen->compared, static_cast<uint64_t>(kMoments));
+  for (const SimilarMoment& moment : seen->moments) EXPECT_EQ(place_of(moment.time).first, 1);
+  // No message names what is there and may not be seen.
+  const auto hidden = ask(like(0, 30), 1);
+  EXPECT_FAILS(hidden, StatusCode::kNotFound,
+               "the moment before it is none, after it " + to_string(example_time(10'000)));
+  request.among = *Query::parse("Vision @ latest:10");
+  EXPECT_EQ(ask(request, 1)->compared, 0u);  // They may be seen redacted only.
+  request.among = *Query::parse("Vision @ 0..9");
+  EXPECT_EQ(ask(request, 1)->compared, 10u);
+  const auto nobody = ask({.entity = example_entity("nobody"), .moment = example_time(0)}, 1);
+  EXPECT_FAILS(nobody, StatusCode::kNotFound, "there is no such entity");
+  EXPECT_EQ(nobody.status().message().find("joints"), std::string::npos);
+  EXPECT_FAILS(ask(like(2, 30), 7), StatusCode::kFailedPrecondition, "redacted only");
+  EXPECT_EQ(ask({.entity = arm_entity(), .moment = example_time(30)}, 1)->compared,
+            static_cast<uint64_t>(kMoments));
+}
+
+TEST_F(SimilarTest, KeepsWhatWasComputedWhenItIsCancelled) {
+  const auto past = StorePast::open(store_, {}, {});
+  ASSERT_OK(past);
+  LikenessSearch search(**past);
+  std::stop_source stop;
+  const auto stops = [&stop](const Progress& progress) {
+    if (progress.what.starts_with("code") && progress.done == 50) stop.request_stop();
+  };
+  EXPECT_FAILS(search.find(like(0, 30), stops, stop.get_token()), StatusCode::kCancelled, "");
+  const auto rest = search.find(like(0, 30));
+  ASSERT_OK(rest);
+  EXPECT_LT(rest->computed, static_cast<uint64_t>(kRecordings * kMoments - 50));
+  const auto whole = find(like(0, 30));
+  EXPECT_EQ(rest->space, whole->space);
+  ASSERT_EQ(rest->moments.size(), whole->moments.size());
+  for (size_t i = 0; i < rest->moments.size(); ++i) {
+    EXPECT_EQ(rest->moments[i].time, whole->moments[i].time);
+    EXPECT_EQ(rest->moments[i].distance, whole->moments[i].distance);
+  }
+}
+
+TEST_F(SimilarTest, FollowsAStoreThatIsWrittenTo) {
+  ASSERT_OK(code());
+  StoreLikeness likeness(store_, {});
+  SimilarRequest request{.entity = example_entity(), .image = drawn_image(44, 20, 50, 8)};
+  request.apart = Duration::zero();
+  EXPECT_EQ(likeness.similar(request)->compared, static_cast<uint64_t>(kRecordings * kMoments));
+  const auto writer = *StoreWriter::open(store_, {});
+  const auto append = [&writer](Time time, int left) {
+    Snapshot snapshot{example_entity(), time, {}};
+    snapshot.instances.push_back({idf::Dict{{"image", drawn_image(left, 20, 50, 8)}}, {}});
+    ASSERT_OK(writer->append({pack_snapshot(snapshot)}, nullptr));
+  };
+  // Between, behind and instead of what is there.
+  append(example_time(10) + Duration(1), 44);
+  append(example_time(90'000), 44);
+  append(example_time(20), 44);
+  for (const bool is_sealed : {false, true}) {
+    if (is_sealed) ASSERT_OK(writer->seal());
+    const auto answer = likeness.similar(request);
+    ASSERT_OK(answer);
+    EXPECT_EQ(answer->computed, 3u);
+    EXPECT_EQ(answer->compared, static_cast<uint64_t>(kRecordings * kMoments + 2));
+    EXPECT_EQ(answer->moments.at(0).time, example_time(10) + Duration(1));
+    EXPECT_EQ(answer->moments.at(1).time, example_time(20));
+    EXPECT_EQ(answer->moments.at(2).time, example_time(90'000));
+    EXPECT_EQ(answer->moments.at(2).distance, 0);
+    EXPECT_GT(answer->moments.at(3).distance, 0);
+    EXPECT_EQ(likeness.similar(request)->computed, 0u);
+  }
+  // What is gone is not compared any more.
+  ASSERT_OK(forget_snapshots(store_, {{example_entity(), TimeSet{example_time(90'000)}}}));
+  likeness.forget_codes();
+  EXPECT_EQ(likeness.similar(request)->compared, static_cast<uint64_t>(kRecordings * kMoments + 1));
 }
 
 TEST_F(SimilarTest, SaysWhatIsWrong) {
