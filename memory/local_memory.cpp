@@ -133,7 +133,7 @@ class ReadMemory final : public Memory {
 class WrittenMemory final : public Memory {
  public:
   explicit WrittenMemory(std::unique_ptr<memory::MemoryService> service)
-      : service_(std::move(service)), likeness_(service_->options().store->store, model_loader()) {}
+      : service_(std::move(service)) {}
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
@@ -177,7 +177,7 @@ class WrittenMemory final : public Memory {
 
   Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
-    return likeness_.similar(request);
+    return service_->similar(request);
   }
 
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
@@ -205,7 +205,6 @@ class WrittenMemory final : public Memory {
   }
 
   const std::unique_ptr<memory::MemoryService> service_;
-  ltm::StoreLikeness likeness_;
   const std::shared_ptr<memory::EventHub> hub_ = std::make_shared<memory::EventHub>();
   std::atomic<bool> is_closed_{false};
 };

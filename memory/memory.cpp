@@ -14,12 +14,6 @@ Status Memory::query_parts(const ltm::Query& query, const PartVisit& visit,
   return visit(std::move(whole));
 }
 
-Result<ltm::SimilarAnswer> Memory::similar(const ltm::SimilarRequest& request) {
-  return failed_precondition(
-      "entity '{}': servers do not compare moments; open the store of this memory instead",
-      request.entity.to_string());
-}
-
 Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& entity,
                                                          std::span<const Duration> horizons,
                                                          const std::string& engine) {

@@ -174,11 +174,14 @@ class Memory {
   }
 
   /// Finds the moments of an entity that are like one of its moments, or like an image: when was it
-  /// like this before? What is in the store is compared, journals included; what working memory
-  /// alone holds is not.
-  /// Errors: those of ltm::LikenessSearch::find; kFailedPrecondition if this memory is in a server,
-  /// which does not answer this.
-  virtual Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request);
+  /// like this before? What is in the store is compared, and what working memory holds. Codes of
+  /// one entity alone are comparable, so with a name system the server that has the entity answers;
+  /// entities beside it need to be in the same server.
+  /// Errors: those of ltm::LikenessSearch::find; kFailedPrecondition also if a server is of an
+  /// earlier version or has no store; kInvalidArgument also if more than 10,000 moments or 16
+  /// other entities are asked of a server; kUnavailable also if it took longer than the timeout:
+  /// what was coded until then is kept, so asking again goes on.
+  virtual Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) = 0;
 
   /// Subscribes to the commits from now on, those of this program included. Returns once the
   /// subscription is in place.

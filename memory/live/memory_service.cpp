@@ -134,7 +134,10 @@ Result<ForgetOutcome> MemoryService::forget(ForgetRequest request) {
   const auto request_stop = [&stop] { stop.request_stop(); };
   const std::stop_callback by_caller(std::exchange(request.stop, stop.get_token()), request_stop);
   const std::stop_callback by_close(state.stops_forgetting.get_token(), request_stop);
-  return forget_live(state.forgetting_parts(), request);
+  auto outcome = forget_live(state.forgetting_parts(), request);
+  // Codes tell of what is gone, also where an error came after some of it went.
+  if (state.likeness && !request.is_dry_run) state.likeness->forget_codes();
+  return outcome;
 }
 
 MemoryService::Counters MemoryService::counters() const {

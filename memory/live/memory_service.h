@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/likeness/similar_moments.h"
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
 #include "ltm/working/working_memory.h"
@@ -122,6 +123,12 @@ class MemoryService {
   /// first. With `at` as of that moment.
   Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
                                                  std::optional<Time> at, ltm::SharedView view = {});
+
+  /// Finds the moments of an entity that are like another one, in working memory and in the store.
+  /// Questions take turns, and hold up no others.
+  /// Errors: those of ltm::StoreLikeness::similar; kFailedPrecondition without a store.
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request, ltm::SharedView view = {},
+                                     const std::stop_token& stop = {});
 
   /// Whether images of a memory may be redacted. What others may read as it comes, such as shared
   /// memory, must not be used for it.

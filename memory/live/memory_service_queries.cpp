@@ -135,4 +135,18 @@ Result<std::vector<ltm::EngineRecord>> MemoryService::engines(const MemoryId& en
   return state_->recall->records(entity, at, ahead, options);
 }
 
+Result<ltm::SimilarAnswer> MemoryService::similar(const ltm::SimilarRequest& request,
+                                                  ltm::SharedView view,
+                                                  const std::stop_token& stop) {
+  ENGRAM_RETURN_IF_ERROR(owns(request.entity));
+  if (!state_->likeness)
+    return failed_precondition(
+        "server '{}': has no store, and moments are compared with those "
+        "that one keeps",
+        state_->options.name);
+  ++state_->queries;
+  ++state_->queries_of_store;
+  return state_->likeness->similar(request, view.get(), stop);
+}
+
 }  // namespace engram::memory

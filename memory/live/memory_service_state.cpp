@@ -156,6 +156,7 @@ Status MemoryService::State::open_past(ltm::ModelLoader loader) {
     ENGRAM_ASSIGN_OR_RETURN(redactor, ltm::make_redactor(options.store->recording.rules));
     ENGRAM_ASSIGN_OR_RETURN(store, LongTerm::open(*options.store, clock, redactor));
     const std::filesystem::path& path = options.store->store;
+    likeness.emplace(path, loader, memory.get());
     ENGRAM_ASSIGN_OR_RETURN(
         stored, ltm::StorePast::open(path, std::move(loader), {options.store->max_decoded_bytes}));
     accesses = std::make_unique<ltm::AccessLog>(path, ltm::AccessLog::Options{});

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "ltm/core/mutex.h"
+#include "ltm/likeness/store_likeness.h"
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
 #include "memory/live/entity_room.h"
@@ -51,7 +52,8 @@ struct MemoryService::State {
   ltm::Recall::Options recalling_options;
   ltm::RecordedEntities nothing_recorded;  ///< Stands in for LongTerm::recorded() without a store.
 
-  std::optional<EntityRoom> room;  ///< Made with the past.
+  std::optional<EntityRoom> room;              ///< Made with the past.
+  std::optional<ltm::StoreLikeness> likeness;  ///< Made with the past; nothing without a store.
 
   std::atomic<uint64_t> queries{0};
   std::atomic<uint64_t> queries_of_store{0};

@@ -54,6 +54,12 @@ class ConnectedMemory final : public Memory {
     return std::move(records.front());
   }
 
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
+    const auto client = this->client();
+    if (!client) return is_closed();
+    return client->similar(request);
+  }
+
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers) override {
     const auto client = this->client();

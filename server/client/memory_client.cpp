@@ -18,6 +18,7 @@
 #include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/polling_threads.h"
+#include "server/wire/wire_similar.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
 
@@ -401,6 +402,13 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> MemoryClient::engines(
   v1::EnginesReply reply;
   ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Engines, to_request(entity, horizons, at), reply));
   return engines_in(reply, entity, horizons, at);
+}
+
+Result<ltm::SimilarAnswer> MemoryClient::similar(const ltm::SimilarRequest& request) {
+  ENGRAM_ASSIGN_OR_RETURN(const v1::SimilarRequest message, to_message(request));
+  v1::SimilarReply reply;
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Similar, message, reply));
+  return to_answer(reply, request.entity);
 }
 
 Result<Forgotten> MemoryClient::forget(const ForgetCall& call) {

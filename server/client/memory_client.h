@@ -122,6 +122,9 @@ class MemoryClient {
   Result<std::vector<std::vector<ltm::EngineRecord>>> engines(const ltm::MemoryId& entity,
                                                               std::span<const Duration> horizons,
                                                               std::optional<Time> at = {});
+  /// Finds moments like another one; see Memory::similar.
+  /// Errors: kFailedPrecondition if the server is of a version that does not compare moments.
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request);
   /// Lets the server forget, however long that takes. It is not tried again: what a broken
   /// connection stopped is carried on by the same call.
   /// Errors: those of memory::MemoryService::forget; kFailedPrecondition if the token may not

@@ -397,6 +397,18 @@ Result<std::vector<std::vector<ltm::EngineRecord>>> RobotMemory::engines(
   return records;
 }
 
+Result<ltm::SimilarAnswer> RobotMemory::similar(const ltm::SimilarRequest& request) {
+  if (!request.entity.has_entity())
+    return invalid_argument("'{}': needs the ID of an entity", request.entity.to_string());
+  Result<ltm::SimilarAnswer> answer = cancelled("not asked");
+  ENGRAM_RETURN_IF_ERROR(state_->at_holder(request.entity.names()[0], [&](MemoryClient& client) {
+    answer = client.similar(request);
+    // kNotFound is a valid answer here: the server has no such entity or moment.
+    return is_lost(answer.status()) ? answer.status() : Status();
+  }));
+  return answer;
+}
+
 Result<std::unique_ptr<Subscription>> RobotMemory::subscribe(const SubscriptionOptions& options,
                                                              SubscriptionHandlers handlers) {
   return subscribe_to_robot(*state_->servers, state_, options, std::move(handlers));

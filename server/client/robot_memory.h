@@ -88,6 +88,10 @@ class RobotMemory {
                                                               std::span<const Duration> horizons,
                                                               std::optional<Time> at = {});
 
+  /// Finds moments like another one at the server that has the entity, which needs to have the
+  /// other entities too; see Memory::similar.
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request);
+
   /// Subscribes to all servers that may have matching entities, including servers that arrive or
   /// move later. `on_interrupted` reports snapshots lost meanwhile. Handlers are called one at a
   /// time. Returns once all servers that are reachable now have confirmed the subscription;

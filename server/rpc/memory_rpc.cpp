@@ -11,6 +11,7 @@
 #include "server/rpc/figures.h"
 #include "server/rpc/forget_stream.h"
 #include "server/rpc/query_stream.h"
+#include "server/rpc/similar_call.h"
 #include "server/rpc/subscribe_stream.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
@@ -27,7 +28,9 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
         v1::MemoryServer::WithCallbackMethod_Declare<
             v1::MemoryServer::WithCallbackMethod_Info<v1::MemoryServer::WithCallbackMethod_Metrics<
                 v1::MemoryServer::WithCallbackMethod_Engines<
-                    v1::MemoryServer::WithCallbackMethod_Forget<v1::MemoryServer::Service>>>>>>>>;
+                    v1::MemoryServer::WithCallbackMethod_Forget<
+                        v1::MemoryServer::WithCallbackMethod_Similar<
+                            v1::MemoryServer::Service>>>>>>>>>;
 
 constexpr int kMaxListedHorizons = 16;
 
@@ -107,6 +110,12 @@ class MemoryRpc final : public ServiceBase {
   grpc::ServerWriteReactor<v1::ForgetReply>* Forget(grpc::CallbackServerContext* call,
                                                     const v1::ForgetRequest* request) override {
     return ForgetStream::begin(context_, let_in(*call), *request);
+  }
+
+  grpc::ServerUnaryReactor* Similar(grpc::CallbackServerContext* call,
+                                    const v1::SimilarRequest* request,
+                                    v1::SimilarReply* reply) override {
+    return SimilarCall::begin(context_, let_in(*call), *request, *reply);
   }
 
  private:

@@ -32,7 +32,8 @@ struct RpcContext {
   memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   RpcMetrics metrics;
-  std::atomic<int> forgettings{0};  ///< Calls that forget, or look up what they may.
+  std::atomic<int> forgettings{0};    ///< Calls that forget, or look up what they may.
+  std::atomic<int> similar_calls{0};  ///< Questions about likeness that are not answered yet.
   std::atomic<int> streams{0};
   int max_streams = 4096;
   /// Max streams of one token, so that other tokens still find room.
@@ -41,8 +42,11 @@ struct RpcContext {
   /// Keyed by the token's name.
   std::map<std::string, int> streams_of ENGRAM_GUARDED_BY(counting);
   memory::MemoryService::Durability durability = memory::MemoryService::Durability::kMemory;
-  /// Runs work that takes too long for a stream's thread. Declared last, so that it ends first.
+  /// Runs work that takes too long for a stream's thread. Declared last, as is the next one, so
+  /// that they end first.
   WorkQueue work;
+  /// Answers questions about likeness, which may take minutes: queries need not wait for them.
+  WorkQueue comparing{1};
 
   /// Notes what somebody asked, and whether `outcome` lets them. Returns `outcome`.
   /// Errors: kFailedPrecondition if it cannot be noted; then nothing may be given out.

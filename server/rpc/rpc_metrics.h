@@ -30,6 +30,10 @@ struct RpcMetrics {
       "engram_calls_refused_total", "Calls without a token that is known, or that may do this.");
   Counter& forgettings =
       registry.counter("engram_forgettings_total", "Requests to forget that may do it.");
+  Counter& similar =
+      registry.counter("engram_similar_total", "Questions about likeness that came.");
+  Counter& failed_similar = registry.counter("engram_similar_failed_total",
+                                             "Questions about likeness that ended with an error.");
   Gauge& streams = registry.gauge("engram_streams", "Streams that are open.");
 };
 

@@ -104,17 +104,15 @@ TEST_P(FrontDoor, RemembersAsksThePastAndAsksTheFuture) {
   EXPECT_EQ((*copied)[0].instances[0].data, idf::Data(idf::Dict{{"x", 0.1 * 29}}));
 }
 
-TEST_P(FrontDoor, FindsMomentsLikeAnotherOneWhereItHasTheStore) {
+TEST_P(FrontDoor, FindsMomentsLikeAnotherOne) {
   for (int64_t step = 0; step < 30; ++step)
     ASSERT_OK(memory->commit(at(step, static_cast<double>(step % 10))));
   const ltm::SimilarRequest request{
       .entity = kCup, .moment = at(25, 0).updates[0].time, .count = 2, .apart = Duration(0)};
   const auto similar = memory->similar(request);
-  if (GetParam() != Door::kOpened) {
-    EXPECT_FAILS(similar, StatusCode::kFailedPrecondition, "servers do not compare moments");
-    return;
-  }
   ASSERT_OK(similar);
+  EXPECT_EQ(similar->entity, kCup);
+  EXPECT_EQ(similar->space, "numbers");
   EXPECT_EQ(similar->compared, 30u);
   ASSERT_THAT(similar->moments, SizeIs(2));
   EXPECT_EQ(similar->moments[0].time, at(15, 0).updates[0].time);
@@ -122,6 +120,73 @@ TEST_P(FrontDoor, FindsMomentsLikeAnotherOneWhereItHasTheStore) {
   // What comes later is there for the next question.
   ASSERT_OK(memory->commit(at(35, 5.0)));
   EXPECT_EQ(memory->similar(request)->compared, 31u);
+  // What only working memory has, too.
+  ASSERT_OK(memory->commit(at(36, 6.0), CommitDurability::kMemory));
+  EXPECT_EQ(memory->similar(request)->compared, 32u);
+}
+
+ltm::Commit image_at(int64_t step, int64_t left) {
+  std::vector<uint8_t> pixels(size_t{48} * 64, 60);
+  for (int64_t y = 16; y < 32; ++y)
+    for (int64_t x = left; x < left + 14; ++x) pixels[static_cast<size_t>(y * 64 + x)] = 200;
+  ltm::Commit commit = at(step, 0);
+  commit.updates[0].instances[0].data =
+      idf::Dict{{"image", idf::NdArray::take({48, 64, 1}, std::move(pixels))}};
+  return commit;
+}
+
+TEST_P(FrontDoor, FindsMomentsLikeAnImageWhereverTheyAre) {
+  for (int64_t step = 0; step < 40; ++step)
+    ASSERT_OK(memory->commit(image_at(step, 2 * (step % 20)),
+                             step < 20 ? CommitDurability::kJournal : CommitDurability::kMemory));
+  ltm::SimilarRequest request{.entity = kCup, .count = 2, .apart = Duration(0)};
+  const ltm::Commit asked = image_at(0, 14);
+  request.image = *asked.updates[0].instances[0].data.at("image")->get_if<idf::NdArray>();
+  const auto found = memory->similar(request);
+  ASSERT_OK(found);
+  EXPECT_EQ(found->compared, 40u);
+  EXPECT_EQ(found->computed, 40u);
+  EXPECT_THAT(found->space, ::testing::StartsWith("images "));
+  ASSERT_THAT(found->moments, SizeIs(2));
+  EXPECT_EQ(found->moments[0].time, at(7, 0).updates[0].time);
+  EXPECT_EQ(found->moments[1].time, at(27, 0).updates[0].time);
+  EXPECT_EQ(found->moments[1].distance, 0);
+  EXPECT_EQ(found->moments[1].recording_first, at(0, 0).updates[0].time);
+  // What was computed is there for the next question, and comparable: it is of the same space.
+  ASSERT_OK(memory->commit(image_at(40, 14), CommitDurability::kMemory));
+  const auto again = memory->similar(request);
+  ASSERT_OK(again);
+  EXPECT_EQ(again->computed, 1u);
+  EXPECT_EQ(again->compared, 41u);
+  EXPECT_EQ(again->space, found->space);
+  // A moment that was committed again has another image.
+  ASSERT_OK(memory->commit(image_at(7, 40)));
+  EXPECT_EQ(memory->similar(request)->moments[0].time, at(27, 0).updates[0].time);
+  request.among = *ltm::Query::parse("Objects @ 30..40");
+  EXPECT_EQ(memory->similar(request)->compared, 11u);
+}
+
+TEST_P(FrontDoor, SaysWhyItCannotCompare) {
+  for (int64_t step = 0; step < 5; ++step)
+    ASSERT_OK(memory->commit(at(step, static_cast<double>(step))));
+  const Time second = at(2, 0).updates[0].time;
+  const auto nowhere = *ltm::MemoryId::parse("Objects/Things/kitchen/nowhere");
+  EXPECT_FAILS(memory->similar({.entity = kCup}), StatusCode::kInvalidArgument,
+               "needs a moment or an image");
+  EXPECT_FAILS(memory->similar({.entity = kCup, .moment = second + Duration(1)}),
+               StatusCode::kNotFound, "the moment before it is");
+  EXPECT_FAILS(memory->similar({.entity = nowhere, .moment = second}), StatusCode::kNotFound,
+               nowhere.to_string());
+  EXPECT_FAILS(memory->similar({.entity = kCup, .moment = second, .with = {{nowhere, 1}}}),
+               StatusCode::kNotFound, nowhere.to_string());
+  ltm::SimilarRequest with_image{.entity = kCup};
+  with_image.image = idf::NdArray::take({48, 64, 1}, std::vector<uint8_t>(size_t{48} * 64));
+  EXPECT_FAILS(memory->similar(with_image), StatusCode::kInvalidArgument, "numbers and no images");
+  with_image.image = idf::NdArray::take({3}, std::vector<double>{1, 2, 3});
+  EXPECT_EQ(memory->similar(with_image).status().code(), StatusCode::kInvalidArgument);
+  ASSERT_OK(memory->close());
+  EXPECT_FAILS(memory->similar({.entity = kCup, .moment = second}), StatusCode::kFailedPrecondition,
+               "closed");
 }
 
 TEST_P(FrontDoor, AnswersByPlaceAndContext) {

@@ -70,6 +70,8 @@ TEST(EarlierServer, IsNotTakenForOneThatPredictsFromAMoment) {
     EXPECT_FAILS((*memory)->engines(cup, ahead[0], time_from_ns(0)),
                  StatusCode::kFailedPrecondition, "earlier version");
     EXPECT_OK((*memory)->engines(cup, ahead[0]));
+    EXPECT_FAILS((*memory)->similar({.entity = cup, .moment = time_from_ns(0)}),
+                 StatusCode::kFailedPrecondition, "does not know this");
   }
   server->Shutdown();
   // Nothing is decoded for an answer that nobody wants.

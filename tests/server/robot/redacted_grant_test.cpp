@@ -171,6 +171,31 @@ TEST_P(RedactedGrants, GiveNothingElse) {
   EXPECT_FALSE(visitor->commit(RunningServer::commit(kCamera, 1)).ok());
 }
 
+TEST_P(RedactedGrants, CompareNoImagesButThoseThatMayBeSeenAsTheyAre) {
+  start("finds");
+  const auto visitor = client("visitor"), guard = client("guard");
+  ltm::SimilarRequest request{.entity = *ltm::MemoryId::parse(kCamera), .moment = image_time(8)};
+  if (!GetParam()) {
+    EXPECT_FAILS(owner_->similar(request), StatusCode::kFailedPrecondition, "has no store");
+    return;
+  }
+  EXPECT_EQ(owner_->similar(request)->compared, static_cast<uint64_t>(kImages));
+  EXPECT_FAILS(visitor->similar(request), StatusCode::kFailedPrecondition, "redacted only");
+  EXPECT_EQ(guard->similar(request)->compared, 6u);
+  for (const ltm::SimilarMoment& moment : guard->similar(request)->moments) {
+    EXPECT_GE(moment.time, image_time(6));
+    EXPECT_EQ(moment.recording_first, image_time(6));
+  }
+  request.moment = image_time(3);
+  const auto hidden = guard->similar(request);
+  EXPECT_FAILS(hidden, StatusCode::kNotFound,
+               "the moment before it is none, after it " + engram::to_string(image_time(6)));
+  // An image of the caller's own tells of what it is compared with, too.
+  request = {.entity = *ltm::MemoryId::parse(kCamera), .image = image_with_secret(160, 120, 5, 5)};
+  EXPECT_FALSE(visitor->similar(request).ok());
+  EXPECT_EQ(guard->similar(request)->compared, 6u);
+}
+
 INSTANTIATE_TEST_SUITE_P(WithAndWithoutAStore, RedactedGrants, ::testing::Bool(),
                          [](const auto& one) { return one.param ? "Store" : "Memory"; });
 
