@@ -14,13 +14,12 @@ constexpr std::array<Duration, 3> kShownLags{Duration::zero(), std::chrono::seco
                                              std::chrono::seconds(2)};
 
 /// The images of a moment and before it, as far as its recording goes.
-Result<std::vector<idf::NdArray>> seen_until(ltm::EntityPast& past, Time moment, Time first) {
+Result<std::vector<idf::NdArray>> seen_until(const SeenAt& seen, Time moment, Time first) {
   std::vector<idf::NdArray> images;
   for (const Duration lag : kShownLags) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto at, past.at_or_before(moment - lag));
-    if (!at || *at < first) break;
-    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, past.read(*at, ltm::Prefer::kRecorded));
-    const idf::NdArray* const image = ltm::image_of(snapshot.answer);
+    ENGRAM_ASSIGN_OR_RETURN(const auto snapshot, seen(moment - lag));
+    if (!snapshot || snapshot->time < first) break;
+    const idf::NdArray* const image = ltm::image_of(*snapshot);
     if (image == nullptr || image->type() != idf::ElementType::kUInt8) break;
     images.push_back(*image);
   }
@@ -29,20 +28,18 @@ Result<std::vector<idf::NdArray>> seen_until(ltm::EntityPast& past, Time moment,
 
 }  // namespace
 
-Status draw_similar(ltm::StorePast& past, const ltm::SimilarRequest& request,
+Status draw_similar(const SeenAt& seen, const ltm::SimilarRequest& request,
                     const ltm::SimilarAnswer& answer, const std::filesystem::path& file) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto entity, past.of(answer.entity));
-  if (entity == nullptr) return not_found("'{}': has no snapshots", answer.entity.to_string());
   std::vector<PictureRow> rows;
   if (request.image) {
     rows.push_back({"asked with", {*request.image}});
   } else {
     ENGRAM_ASSIGN_OR_RETURN(auto images,
-                            seen_until(*entity, *request.moment, *request.moment - kShownLags[2]));
+                            seen_until(seen, *request.moment, *request.moment - kShownLags[2]));
     rows.push_back({"asked with\n" + to_string(*request.moment), std::move(images)});
   }
   for (const ltm::SimilarMoment& moment : answer.moments) {
-    ENGRAM_ASSIGN_OR_RETURN(auto images, seen_until(*entity, moment.time, moment.recording_first));
+    ENGRAM_ASSIGN_OR_RETURN(auto images, seen_until(seen, moment.time, moment.recording_first));
     rows.push_back(
         {fmt::format("{:.3f}\n{}", moment.distance, to_string(moment.time)), std::move(images)});
   }

@@ -21,7 +21,7 @@ std::string similar_text(const ltm::SimilarAnswer& answer) {
   if (answer.computed > 0)
     text += fmt::format(
         "\n{} images had no code yet and were decoded: a night codes them (engram consolidate), "
-        "or --keep now",
+        "or, in a store, --keep now",
         count_text(answer.computed));
   return text;
 }

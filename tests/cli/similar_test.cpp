@@ -2,6 +2,7 @@
 // `engram similar`: what it finds, keeps and refuses; nights make its codes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
 
 #include <nlohmann/json.hpp>
 
@@ -75,6 +76,47 @@ TEST_F(SimilarCommand, FindsAnImageAndDrawsWhatItFound) {
   EXPECT_THAT(answer.at("moments").at(0).at("id").get<std::string>(), HasSubstr(":00:05.000000"));
   EXPECT_GT(std::filesystem::file_size(picture), 1000u);
   EXPECT_THAT(run_engram({"similar", store_, picture}).err, HasSubstr("found an image of"));
+}
+
+TEST_F(SimilarCommand, AsksAServerAsItAsksAStore) {
+  const std::string endpoint = "unix:" + (directory_.path() / "s").string();
+  const std::string served = directory_.path() / "served";
+  std::filesystem::copy(store_, served, std::filesystem::copy_options::recursive);
+  RunningEngram server({"serve", served, "--listen", endpoint, "--no-system-state"});
+  ASSERT_TRUE(server.wait_for("listens at"));
+  const auto ask = [&](std::vector<std::string> arguments) {
+    std::vector<std::string> store{"similar", store_}, remote{"similar", "--server", endpoint};
+    store.insert(store.end(), arguments.begin(), arguments.end());
+    remote.insert(remote.end(), arguments.begin(), arguments.end());
+    Json expected = found(run_engram(store)), told = found(run_engram(remote));
+    // A server keeps what it computed for the question before.
+    expected.erase("computed");
+    told.erase("computed");
+    EXPECT_EQ(told, expected);
+    return told;
+  };
+  EXPECT_EQ(ask({moment_, "--json", "--elsewhere"}).at("compared"), 80);
+  ask({kCamera, "--json", "-k", "3", "--with", kJoints + "=0.5"});
+  ask({kJoints, "--json", "--one-per-recording"});
+  EXPECT_EQ(ask({moment_, "Vision @ 0..19", "--json"}).at("compared"), 20);
+  const std::string saved = directory_.path() / "saved", picture = directory_.path() / "a.png";
+  EXPECT_EQ(run_engram({"query", store_, kCamera + " @ latest", "--save", saved}).exit_code, 0);
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(saved))
+    if (entry.path().extension() == ".png") {
+      ask({entry.path(), "--json"});
+      EXPECT_EQ(run_engram({"similar", "--server", endpoint, entry.path(), "--picture", picture})
+                    .exit_code,
+                0);
+    }
+  EXPECT_GT(std::filesystem::file_size(picture), 1000u);
+  const RunResult keep = run_engram({"similar", "--server", endpoint, moment_, "--keep"});
+  EXPECT_EQ(keep.exit_code, kWrongUsage);
+  EXPECT_THAT(keep.err, HasSubstr("--keep is of stores"));
+  const RunResult both = run_engram({"similar", store_, "--server", endpoint, moment_, "Vision"});
+  EXPECT_EQ(both.exit_code, kWrongUsage);
+  EXPECT_THAT(run_engram({"similar", "--server", endpoint, kCamera + "/2022-02-18 13:00:05.1"}).err,
+              HasSubstr("the moment before it is"));
+  EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
 }
 
 TEST_F(SimilarCommand, SaysWhatIsWrong) {
