@@ -171,6 +171,11 @@ py::list FrontDoor::engines(const std::string& entity, int64_t ahead, std::optio
   }));
 }
 
+py::dict FrontDoor::similar(const SimilarArguments& asked) {
+  const ltm::SimilarRequest request = similar_request_of(asked);
+  return similar_of(with_memory([&](Memory& memory) { return memory.similar(request); }));
+}
+
 void FrontDoor::declare(const std::string& segment, const py::object& type) {
   const ltm::MemoryId id = value_or_raise(ltm::MemoryId::parse(segment));
   const idf::Type read = value_or_raise(idf::type_from_data(from_python(type)));

@@ -13,6 +13,7 @@
 
 #include "ltm/core/mutex.h"
 #include "memory/memory.h"
+#include "python/bindings/bound_similar.h"
 #include "python/bindings/watch.h"
 
 namespace engram::python {
@@ -61,6 +62,9 @@ class FrontDoor {
 
   /// See OpenStore::engines.
   pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> at);
+
+  /// The moments of an entity that are like another one.
+  pybind11::dict similar(const SimilarArguments& asked);
 
   /// Declares the type of a segment. `type` is the result of engram.idf.type_to_data.
   void declare(const std::string& segment, const pybind11::object& type);

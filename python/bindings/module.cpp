@@ -57,8 +57,9 @@ void define_front_door(py::module_& module) {
       .def("is_closed", &Watch::is_closed)
       .def("lost", &Watch::lost)
       .def("interruptions", &Watch::interruptions);
-  py::class_<FrontDoor>(module, "FrontDoor")
-      .def_static("open", &open_door)
+  py::class_<FrontDoor> door(module, "FrontDoor");
+  bind_similar(door);
+  door.def_static("open", &open_door)
       .def_static("connect", &connect_door)
       .def("entities", &FrontDoor::entities)
       .def("summary", &FrontDoor::summary)
@@ -78,7 +79,9 @@ void define_front_door(py::module_& module) {
 
 PYBIND11_MODULE(_core, module) {
   module.doc() = "The C++ side of engram; private to the package.";
-  py::class_<OpenStore>(module, "OpenStore")
+  py::class_<OpenStore> store(module, "OpenStore");
+  bind_similar(store);
+  store
       // From a text: a path would need pybind11's conversion of paths.
       .def(py::init([](const std::string& path) { return std::make_unique<OpenStore>(path); }))
       .def("entities", &OpenStore::entities)
@@ -89,7 +92,6 @@ PYBIND11_MODULE(_core, module) {
       .def("query", &OpenStore::query)
       .def("predict", &OpenStore::predict)
       .def("engines", &OpenStore::engines)
-      .def("similar", &OpenStore::similar)
       .def("models", &OpenStore::models)
       .def("stored_snapshots", &OpenStore::stored_snapshots)
       .def("latents", &OpenStore::latents)

@@ -74,23 +74,6 @@ StoredColumns columns_of(const std::vector<training::StoredSnapshot>& snapshots)
   return columns;
 }
 
-py::dict similar_of(const ltm::SimilarAnswer& answer) {
-  py::list moments;
-  for (const ltm::SimilarMoment& one : answer.moments) {
-    py::dict moment;
-    moment["time"] = to_ns(one.time);
-    moment["distance"] = one.distance;
-    moment["recording"] = py::make_tuple(to_ns(one.recording_first), to_ns(one.recording_last));
-    moments.append(std::move(moment));
-  }
-  py::dict found;
-  found["space"] = answer.space;
-  found["compared"] = answer.compared;
-  found["computed"] = answer.computed;
-  found["moments"] = std::move(moments);
-  return found;
-}
-
 /// Times and latents of one model, of the first instance of each snapshot.
 struct FoundLatents {
   std::vector<int64_t> times;
@@ -227,35 +210,16 @@ py::list OpenStore::engines(const std::string& entity, int64_t ahead, std::optio
   }));
 }
 
-py::dict OpenStore::similar(const std::string& entity, std::optional<int64_t> moment,
-                            const std::optional<py::array>& image, const std::string& among,
-                            size_t count, int64_t apart, int64_t context, bool is_one_per_recording,
-                            bool is_elsewhere, bool takes_any_size,
-                            const std::map<std::string, double>& with_entities) {
-  ltm::SimilarRequest request{value_or_raise(entity_of(entity))};
-  if (moment) request.moment = time_from_ns(*moment);
-  if (image) {
-    const idf::Data value = from_python(*image);
-    if (const auto* array = value.get_if<idf::NdArray>()) request.image = *array;
-  }
-  for (const auto& [name, weight] : with_entities)
-    request.with.push_back({value_or_raise(entity_of(name)), weight});
-  if (!among.empty()) request.among = value_or_raise(ltm::Query::parse(among));
-  request.count = count;
-  request.apart = Duration(apart);
-  request.context = Duration(context);
-  request.is_one_per_recording = is_one_per_recording;
-  request.is_elsewhere = is_elsewhere;
-  request.takes_any_size = takes_any_size;
-  const auto answer = with_recall(
-      [&](ltm::Recall&) ENGRAM_REQUIRES(mutex_) -> Result<ltm::SimilarAnswer> {
+py::dict OpenStore::similar(const SimilarArguments& asked) {
+  const ltm::SimilarRequest request = similar_request_of(asked);
+  return similar_of(
+      with_recall([&](ltm::Recall&) ENGRAM_REQUIRES(mutex_) -> Result<ltm::SimilarAnswer> {
         if (likeness_ == nullptr) {
           ENGRAM_ASSIGN_OR_RETURN(past_, ltm::StorePast::open(path_, encoders::load_model, {}));
           likeness_ = std::make_unique<ltm::LikenessSearch>(*past_);
         }
         return likeness_->find(request);
-      });
-  return similar_of(answer);
+      }));
 }
 
 py::list OpenStore::models() {

@@ -14,6 +14,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/likeness/similar.h"
 #include "ltm/recall/recall.h"
+#include "python/bindings/bound_similar.h"
 #include "python/bindings/inspected_model.h"
 
 namespace engram::python {
@@ -58,15 +59,8 @@ class OpenStore {
   pybind11::list engines(const std::string& entity, int64_t ahead, std::optional<int64_t> from,
                          bool prefers_latents);
 
-  /// The moments of an entity that are like the one at `moment` (ns), or like an image, nearest
-  /// first: a dict with "space", "compared", "computed" and "moments", dicts with "time",
-  /// "distance" and "recording" (first and last, ns). `with_entities` maps other entities to
-  /// weights; `among` is a query, or empty; `apart` and `context` are in ns.
-  pybind11::dict similar(const std::string& entity, std::optional<int64_t> moment,
-                         const std::optional<pybind11::array>& image, const std::string& among,
-                         size_t count, int64_t apart, int64_t context, bool is_one_per_recording,
-                         bool is_elsewhere, bool takes_any_size,
-                         const std::map<std::string, double>& with_entities);
+  /// The moments of an entity that are like another one.
+  pybind11::dict similar(const SimilarArguments& asked);
 
   /// The models, older ones first: dicts with "entity", "version", "file", "bytes".
   pybind11::list models();

@@ -79,6 +79,20 @@ class FrontDoor:
         self, entity: str, horizons: list[int], start: int | None, engine: str, plan: str
     ) -> list[dict[str, Any]]: ...
     def engines(self, entity: str, ahead: int, at: int | None) -> list[dict[str, Any]]: ...
+    def similar(
+        self,
+        entity: str,
+        moment: int | None,
+        image: npt.NDArray[Any] | None,
+        among: str,
+        count: int,
+        apart: int,
+        context: int,
+        is_one_per_recording: bool,
+        is_elsewhere: bool,
+        takes_any_size: bool,
+        with_entities: dict[str, float],
+    ) -> dict[str, Any]: ...
     def declare(self, segment: str, type: dict[str, Any]) -> None: ...
     def commit(self, updates: list[dict[str, Any]], durability: str) -> None: ...
     def watch(

@@ -32,6 +32,7 @@ class StoreDoor:
         self.summary = self._store.summary
         self.span = self._store.span
         self.times = self._store.times
+        self.similar = self._store.similar
         self.refresh = self._store.refresh
         self.close = self._store.close
 
@@ -73,6 +74,7 @@ class LiveDoor:
         self.select = front.select
         self.query = front.query
         self.predict = front.predict
+        self.similar = front.similar
         self.close = front.close
 
     def span(self, entity: str) -> tuple[int, int]:

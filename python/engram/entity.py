@@ -146,15 +146,15 @@ class Entity:
         came before is compared, too; 0: only the moment itself. `one_per_recording`: the nearest
         moment of each recording. `elsewhere`: none of the recording of `to`. `among`: a query that
         selects the moments (docs/query.md). `beside`: other entities that must be alike, too, with
-        their weights beside 1. `any_size`: take an image of another size. What is compared is in
-        files: of a live memory, what has left its working memory.
+        their weights beside 1. `any_size`: take an image of another size. A live memory compares
+        what its working memory holds, too.
         Raises NotFoundError where there is no such moment, InvalidArgumentError where an image has
-        another size, FailedPreconditionError where there are neither images nor numbers, and of a
-        memory in a server. Source: docs/recall.md.
+        another size, FailedPreconditionError where there are neither images nor numbers, or where
+        a server may show its images redacted only. Source: docs/recall.md.
         """
         image = to if isinstance(to, np.ndarray) else None
         moment = None if isinstance(to, np.ndarray) else self.last if to is None else to_ns(to)
-        found = self._door.files().similar(
+        found = self._door.similar(
             self.name,
             moment,
             image,

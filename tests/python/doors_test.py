@@ -32,6 +32,12 @@ SELECTORS = [
 ]
 NAMES = [CAMERA, JOINTS, SPEECH, "Nothing/is/of/that", ".*", "Vision", "Robot.* ; Speech", "(", ""]
 
+
+def likeness_of(found):
+    """All but how many images were decoded for it: a server keeps what it computed."""
+    return found.entity, found.space, found.compared, found.moments
+
+
 #: Questions of the objects, each of a memory.
 QUESTIONS = {
     "entities": lambda memory: memory.entities,
@@ -84,6 +90,22 @@ QUESTIONS = {
     "engines of the start": lambda memory: memory[JOINTS].engines(0.2, at=START),
     "query by": lambda memory: memory.query(f"{JOINTS} @ +200ms", engine="copy-last"),
     "query by nobody": lambda memory: memory.query(f"{JOINTS} @ +200ms", engine="crystal-ball"),
+    "similar": lambda memory: likeness_of(memory[CAMERA].similar()),
+    "similar then": lambda memory: likeness_of(
+        memory[CAMERA].similar(START + 20 * STEP, 3, apart=0, context=0)),
+    "similar today": lambda memory: likeness_of(memory[CAMERA].similar(START + 35 * STEP, apart=0)),
+    "similar to an image": lambda memory: likeness_of(
+        memory[CAMERA].similar(update_of(CAMERA, 33).value["image"], 3)),
+    "similar numbers": lambda memory: likeness_of(memory[JOINTS].similar(START + 30 * STEP, 4)),
+    "similar beside": lambda memory: likeness_of(memory[CAMERA].similar(beside={JOINTS: 0.5})),
+    "similar among": lambda memory: likeness_of(
+        memory[CAMERA].similar(among=f"{CAMERA} @ 25..34", apart=0)),
+    "similar to nothing": lambda memory: memory[CAMERA].similar(START + 1),
+    "similar to a small image": lambda memory: memory[CAMERA].similar(
+        np.zeros((16, 16, 3), np.uint8)),
+    "similar texts": lambda memory: memory[SPEECH].similar(),
+    "similar beside nothing": lambda memory: memory[CAMERA].similar(beside={CAMERA: -1.0}),
+    "similar among nothing": lambda memory: memory[CAMERA].similar(among="Speech"),
     "frame": lambda memory: memory[JOINTS].frame().to_csv(),
 }
 for name in NAMES:
