@@ -10,6 +10,7 @@
 #include "datasets/vault/vault_mark.h"
 #include "ltm/core/log.h"
 #include "ltm/core/printable.h"
+#include "ltm/likeness/sealed_coder.h"
 #include "reports/plain/import_report.h"
 #include "reports/plain/vault_text.h"
 
@@ -68,9 +69,10 @@ bool tell_losses(const ImportArguments& arguments, const datasets::ReadingReport
 }
 
 /// Seals what was recorded, also before an error, and prints the report.
-ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
+ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder, ltm::SealedCoder& coder,
                 const Result<datasets::RecordingImportReport>& report) {
   const Status closed = recorder.close();
+  coder.finish(interrupt_token());
   if (!report.ok()) fail(report.status());
   if (!closed.ok()) fail(closed);
   if (!report.ok() || !closed.ok()) return ExitCode::kFailed;
@@ -139,7 +141,7 @@ ExitCode run(const ImportArguments& arguments, const CLI::App& command) {
   if (!arguments.keys.empty())
     return wrong_usage(
         invalid_argument("import: '{}' is no vault, found --keys", printable(arguments.from)));
-  const auto recording = recorder_options(arguments);
+  auto recording = recorder_options(arguments);
   if (!recording.ok()) return wrong_usage(recording.status());
   if (const Status status = recording->validate(); !status.ok()) return wrong_usage(status);
   const auto types = read_types(arguments.types);
@@ -154,13 +156,15 @@ ExitCode run(const ImportArguments& arguments, const CLI::App& command) {
     reports::show_streams(opened->format, opened->reader->streams(), arguments.is_json);
     return ExitCode::kDone;
   }
+  ltm::SealedCoder coder(arguments.store);
+  recording->store.after_seal = [&coder](const std::string& segment) { coder.add(segment); };
   auto recorder = open_recorder(arguments, *recording, *types);
   if (!recorder.ok()) return fail(recorder.status());
   ProgressLine progress;
   const auto report = datasets::import_recording(*opened->reader, opened->format, *recorder,
                                                  progress.sink(), interrupt_token());
   progress.finish();
-  return finish(arguments, *recorder, report);
+  return finish(arguments, *recorder, coder, report);
 }
 
 }  // namespace

@@ -122,6 +122,7 @@ Status run(const Arguments& arguments) {
              static_cast<double>(stream.raw_bytes()) / 1e6 / stream.seconds());
   std::vector<Measured> rows;
   const std::vector<RecorderRun> unpaced{{"recorder", kRecorder, true, 0},
+                                         {"recorder, coding", kRecorder, true, 0, true},
                                          {"5 Hz and PNG", kFiltered, false, 0}};
   for (const RecorderRun& it : unpaced) {
     ENGRAM_ASSIGN_OR_RETURN(Measured row, measure(it, stream, arguments, arguments.repeats));
@@ -130,6 +131,10 @@ Status run(const Arguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(Measured slow,
                           measure({"recorder, 1x", kRecorder, true, 1}, paced, arguments, 1));
   rows.push_back(std::move(slow));
+  ENGRAM_ASSIGN_OR_RETURN(
+      Measured coding,
+      measure({"recorder, 1x, coding", kRecorder, true, 1, true}, paced, arguments, 1));
+  rows.push_back(std::move(coding));
   ENGRAM_ASSIGN_OR_RETURN(Measured fast,
                           measure({"recorder, 8x", kRecorder, true, 8}, stream, arguments, 1));
   rows.push_back(std::move(fast));

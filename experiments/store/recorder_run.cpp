@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <thread>
 
+#include "ltm/likeness/make_codes.h"
+#include "ltm/likeness/sealed_coder.h"
 #include "ltm/recording/recording_config.h"
+#include "ltm/store/segment_index.h"
 #include "store/verify_store.h"
 
 namespace engram::experiments {
@@ -44,7 +47,12 @@ uint64_t kept(const ltm::Recorder& recorder) {
 
 Status record(const RecorderRun& run, const Stream& stream, const std::filesystem::path& store,
               RecorderFigures& figures) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto options, ltm::parse_recording_config(run.config, run.name));
+  ENGRAM_ASSIGN_OR_RETURN(auto options, ltm::parse_recording_config(run.config, run.name));
+  std::optional<ltm::SealedCoder> coder;
+  if (run.codes_images) {
+    coder.emplace(store);
+    options.store.after_seal = [&coder](const std::string& segment) { coder->add(segment); };
+  }
   const Stopwatch clock;
   const double cpu = cpu_seconds();
   ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder, ltm::Recorder::open(store, options));
@@ -58,11 +66,36 @@ Status record(const RecorderRun& run, const Stream& stream, const std::filesyste
   return {};
 }
 
+/// Makes an empty store that knows how to code the images of the stream: what a night learned from
+/// the same stream before.
+Status make_learned(const RecorderRun& run, const Stream& stream,
+                    const std::filesystem::path& store) {
+  const std::filesystem::path kept = store.string() + ".indexes";
+  RecorderFigures unused;
+  ENGRAM_RETURN_IF_ERROR(
+      record({run.name, run.config, run.keeps_all, 0, false}, stream, store, unused));
+  ENGRAM_RETURN_IF_ERROR(ltm::make_codes(store, {}, {}, {}, {}).status());
+  std::filesystem::remove_all(kept);
+  std::filesystem::create_directories(kept);
+  std::error_code missing;  // Too few images to learn from.
+  for (const auto& file : std::filesystem::directory_iterator(store / ltm::kIndexFolder, missing))
+    if (file.path().extension() == ".space")
+      std::filesystem::copy(file.path(), kept / file.path().filename());
+  ENGRAM_RETURN_IF_ERROR(make_empty(store));
+  ENGRAM_RETURN_IF_ERROR(ltm::create_store(store));
+  std::filesystem::create_directories(store / ltm::kIndexFolder);
+  std::filesystem::copy(kept, store / ltm::kIndexFolder,
+                        std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::remove_all(kept);
+  return {};
+}
+
 }  // namespace
 
 Result<RecorderFigures> record_stream(const RecorderRun& run, const Stream& stream,
                                       const std::filesystem::path& store) {
   ENGRAM_RETURN_IF_ERROR(make_empty(store));
+  if (run.codes_images) ENGRAM_RETURN_IF_ERROR(make_learned(run, stream, store));
   ENGRAM_RETURN_IF_ERROR(reset_peak_memory());
   ENGRAM_ASSIGN_OR_RETURN(const Memory before, memory());
   RecorderFigures figures;

@@ -17,6 +17,8 @@ struct RecorderRun {
   bool keeps_all = true;  ///< True if there is no filter, so that everything must be in the store.
   /// Speed as a multiple of real time; zero is as fast as possible.
   double pace = 0;
+  /// Images are coded as they are sealed, as a live memory does once a night has learned from some.
+  bool codes_images = false;
 };
 
 /// The measurements of one recording.

@@ -51,34 +51,39 @@ Result<JournalContent> read_journals(const std::filesystem::path& store,
   return content;
 }
 
-Status publish_segment(const std::filesystem::path& store, const std::filesystem::path& file,
-                       const JournalContent& content, const Sealer::Job& job) {
+Result<std::string> publish_segment(const std::filesystem::path& store,
+                                    const std::filesystem::path& file,
+                                    const JournalContent& content, const Sealer::Job& job) {
   ENGRAM_ASSIGN_OR_RETURN(SegmentInfo segment,
                           write_recorded_segment(file, content.entities, job.types));
-  return edit_manifest(store, [&](Manifest& manifest) -> Status {
+  std::string name;
+  ENGRAM_RETURN_IF_ERROR(edit_manifest(store, [&](Manifest& manifest) -> Status {
     segment.file = fmt::format("segments/{:06}.h5", manifest.next_segment++);
     segment.last_journal = job.journals.back();
     ENGRAM_RETURN_IF_ERROR(publish_file(file, store / segment.file));
+    name = segment.file;
     manifest.segments.push_back(std::move(segment));
     manifest.first_journal = job.journals.back() + 1;
     manifest.damaged += content.damaged;
     for (const auto& [entity, reasons] : job.dropped_by)
       for (const auto& [filter, count] : reasons) manifest.dropped_by[entity][filter] += count;
     return {};
-  });
+  }));
+  return name;
 }
 
 }  // namespace
 
-Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job) {
+Result<std::string> seal_journals(const std::filesystem::path& store, const Sealer::Job& job) {
   ENGRAM_ASSIGN_OR_RETURN(JournalContent content, read_journals(store, job.journals));
   if (job.rules)
     for (auto& [id, entity] : content.entities) entity.rules = job.rules(id);
+  std::string published;
   if (!content.entities.empty() || content.damaged > 0) {
     // The temporary file is removed after an error, because sealing is retried and failed attempts
     // must not fill the disk.
     ENGRAM_ASSIGN_OR_RETURN(const TemporaryFile file, TemporaryFile::create(store, ".h5"));
-    ENGRAM_RETURN_IF_ERROR(publish_segment(store, file.path(), content, job));
+    ENGRAM_ASSIGN_OR_RETURN(published, publish_segment(store, file.path(), content, job));
   }
   // From here on the segment is authoritative. A journal that remains is removed when the store is
   // next opened. Damaged journals are kept so that the lost places can be inspected.
@@ -91,7 +96,7 @@ Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job)
     ENGRAM_RETURN_IF_ERROR(publish_file(file, file.string() + ".damaged"));
     ENGRAM_RETURN_IF_ERROR(remove_file(acknowledged_mark_of(file)));
   }
-  return {};
+  return published;
 }
 
 Sealer::Sealer(std::filesystem::path store, const Options& options)
@@ -110,7 +115,9 @@ void Sealer::run(const std::stop_token& stop) {
     // block the writer. The job stays in the queue until it succeeds, so that `finish` waits for
     // it.
     lock.unlock();
-    Status status = seal_journals(store_, job);
+    const auto sealed = seal_journals(store_, job);
+    Status status = sealed.status();
+    if (sealed.ok() && !sealed->empty() && options_.after_seal) options_.after_seal(*sealed);
     if (!status.ok())
       log::warning("store '{}': sealing failed, the journal keeps all: {}", store_.string(),
                    status.to_string());

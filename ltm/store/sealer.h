@@ -16,6 +16,10 @@ namespace engram::ltm {
 /// Returns the seal rules of an entity. Called from the sealer's thread.
 using SealRulesOf = std::function<SealRules(const MemoryId&)>;
 
+/// Told the name of each segment that was published, relative to the store. Called from the
+/// sealer's thread, which it must not hold up.
+using AfterSeal = std::function<void(const std::string& segment_file)>;
+
 /// Turns closed journals into segments, in order, on a thread of its own. If a job fails, the
 /// journals keep their data and the job is tried again.
 ///
@@ -26,6 +30,7 @@ class Sealer {
   struct Options {
     /// Time to wait before a failed job is tried again.
     Duration retry_after = std::chrono::seconds(10);
+    AfterSeal after_seal{};  ///< May be empty.
   };
 
   /// The input of one segment.
@@ -65,8 +70,9 @@ class Sealer {
   std::jthread thread_;  ///< Last: it uses all the others.
 };
 
-/// Publishes journals as one segment and removes them.
-/// Errors: kDataLoss, kUnavailable, kResourceExhausted; the journals are kept then.
-Status seal_journals(const std::filesystem::path& store, const Sealer::Job& job);
+/// Publishes journals as one segment and removes them. Returns its name, relative to the store;
+/// empty if they held nothing to publish. Errors: kDataLoss, kUnavailable, kResourceExhausted; the
+/// journals are kept then.
+Result<std::string> seal_journals(const std::filesystem::path& store, const Sealer::Job& job);
 
 }  // namespace engram::ltm

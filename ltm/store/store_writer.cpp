@@ -129,7 +129,7 @@ struct StoreWriter::State {
     if (damaged > 0)
       log::warning("store '{}': {} damaged places in the journal; what was there is lost",
                    path.string(), damaged);
-    sealer.emplace(path, Sealer::Options{});
+    sealer.emplace(path, Sealer::Options{.after_seal = options.after_seal});
     if (options.durability == Durability::kInterval) syncer.emplace(options.sync_interval);
     return {};
   }

@@ -49,6 +49,8 @@ class StoreWriter {
     /// as groups takes time on the sealer's thread; if it does not keep up, appends wait, see
     /// max_waiting_journals.
     SealRulesOf seal_rules = {};
+    /// Told each segment that was sealed; may be empty.
+    AfterSeal after_seal = {};
 
     [[nodiscard]] Status validate() const;
   };

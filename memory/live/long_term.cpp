@@ -5,6 +5,7 @@
 #include <map>
 
 #include "ltm/core/mutex.h"
+#include "ltm/likeness/sealed_coder.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::memory {
@@ -61,6 +62,12 @@ Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock c
   const auto released = std::make_shared<std::vector<MemoryId>>();
   ltm::Recorder::Options recording = options.recording;
   recording.on_released = [released](const MemoryId& snapshot) { released->push_back(snapshot); };
+  // Shared with the sealer's thread, which ends with the recorder.
+  const auto coder = std::make_shared<ltm::SealedCoder>(options.store);
+  recording.store.after_seal = [coder, also = recording.store.after_seal](const std::string& file) {
+    if (also) also(file);
+    coder->add(file);
+  };
   ENGRAM_ASSIGN_OR_RETURN(
       auto recorder,
       ltm::Recorder::open(options.store, recording, std::move(clock), std::move(redactor)));

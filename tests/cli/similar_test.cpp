@@ -63,6 +63,15 @@ TEST_F(SimilarCommand, KeepsCodesAndNightsMakeThem) {
   EXPECT_EQ(run_engram({"check", store_}).exit_code, 0);
 }
 
+TEST_F(SimilarCommand, FindsWhatWasImportedSinceWithoutDecodingIt) {
+  EXPECT_EQ(run_engram({"similar", store_, moment_, "--keep"}).exit_code, 0);
+  const Recording recording = make_recording(directory_.path(), 8);
+  EXPECT_EQ(run_engram(import_arguments(recording, store_, "2022-02-18 15:00:00")).exit_code, 0);
+  const Json answer = found(run_engram({"similar", store_, moment_, "--elsewhere", "--json"}));
+  EXPECT_EQ(answer.at("compared"), 120);
+  EXPECT_EQ(answer.at("computed"), 0);
+}
+
 TEST_F(SimilarCommand, FindsAnImageAndDrawsWhatItFound) {
   const std::string saved = directory_.path() / "saved";
   EXPECT_EQ(

@@ -4,8 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <thread>
+
+#include "ltm/likeness/make_codes.h"
+#include "ltm/likeness/stored_codes.h"
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
+#include "ltm/store/segment_index.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 
@@ -152,6 +157,33 @@ TEST_F(LongTermTest, RefusesAnswersThatAreTooLarge) {
   const auto all = ask("all");
   EXPECT_EQ(all.status().code(), StatusCode::kResourceExhausted);
   EXPECT_THAT(all.status().message(), HasSubstr("50000 bytes"));
+}
+
+/// A grey image with a bright stripe.
+ltm::SharedSnapshot image_at(int64_t at) {
+  std::vector<uint8_t> pixels(size_t{32} * 32, 50);
+  for (int64_t y = 0; y < 32; ++y) pixels[static_cast<size_t>(y * 32 + at % 32)] = 200;
+  return ltm::hold_untyped({*ltm::MemoryId::parse(kEntity),
+                            time_from_ns(at * 200'000'000),
+                            {{idf::NdArray::take({32, 32}, std::move(pixels)), {}}}});
+}
+
+TEST_F(LongTermTest, CodesImagesThatItSealsOnceThereIsASpace) {
+  open();
+  const auto codes_of_last = [this]() -> size_t {
+    const auto manifest = ltm::read_manifest(options.store);
+    const auto bytes =
+        ltm::read_segment_index(options.store, manifest->segments.back(), ltm::kCodesIndex);
+    return bytes.ok() ? ltm::unpack_codes(bytes->bytes())->front().times.size() : 0;
+  };
+  for (int64_t i = 0; i < 30; ++i) record({image_at(i)});
+  ASSERT_OK(store->seal());
+  ASSERT_OK(ltm::make_codes(options.store, {}, {}, {}, {}));
+  for (int64_t i = 30; i < 50; ++i) record({image_at(i)});
+  ASSERT_OK(store->seal());
+  for (int tries = 0; tries < 2000 && codes_of_last() == 0; ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(codes_of_last(), 20u);
 }
 
 TEST_F(LongTermTest, TakesNothingAfterTheEnd) {
