@@ -12,7 +12,7 @@
 namespace engram::ltm {
 namespace {
 
-constexpr int64_t kStep = 10'000'000;  // 100 Hz.
+constexpr int64_t kWorldStep = 10'000'000;  // 100 Hz.
 
 MemoryId named_thing(const std::string& name) {
   return *MemoryId::from_names({"Objects", "Instances", "tracker", name});
@@ -38,7 +38,7 @@ class BenchmarkWorld final : public KnownContexts {
     camera.intrinsics = {{600, 600, 320, 240, 640, 480}};
     for (size_t i = 0; i < count; ++i) {
       const auto row = static_cast<uint32_t>(i);
-      const Time time = time_from_ns(static_cast<int64_t>(i) * kStep);
+      const Time time = time_from_ns(static_cast<int64_t>(i) * kWorldStep);
       for (double& x : at) x = wanders ? std::clamp(x + step(random), -2.0, 2.0) : any(random);
       for (EntityContext* thing : {&cup, &table}) {
         thing->times.push_back(time);
@@ -63,7 +63,7 @@ class BenchmarkWorld final : public KnownContexts {
         pick.times.push_back(time);
         pick.spans.snapshot.push_back(row / 1000);
         pick.spans.started.push_back(to_ns(time));
-        pick.spans.ended.push_back(to_ns(time) + 500 * kStep);
+        pick.spans.ended.push_back(to_ns(time) + 500 * kWorldStep);
       }
     }
   }
