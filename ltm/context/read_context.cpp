@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/context/read_context.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -134,6 +135,17 @@ const FoundPose* pose_of_camera(const std::vector<FoundPose>& poses) {
 }
 
 }  // namespace
+
+bool tells_context(const idf::Type& type) {
+  if (type.kind() == idf::TypeKind::kPose || type.kind() == idf::TypeKind::kMemoryLink ||
+      type.kind() == idf::TypeKind::kDict)
+    return true;
+  static constexpr std::array<std::string_view, 4> kTelling = {"orientation", "started",
+                                                               "is_visible", "visible"};
+  return std::ranges::any_of(type.parts(), [](const idf::Member& part) {
+    return std::ranges::find(kTelling, part.name) != kTelling.end() || tells_context(part.type);
+  });
+}
 
 std::string_view frame_in_name(std::string_view member) {
   constexpr std::string_view kPose = "pose_";

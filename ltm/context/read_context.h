@@ -40,6 +40,10 @@ class ContextReader {
   EntityContext context_;
 };
 
+/// Whether values of a type can have anything of a context: most of what is recorded are numbers
+/// that cannot, and need not be read.
+[[nodiscard]] bool tells_context(const idf::Type& type);
+
 /// The intrinsics in a value; nothing if it has none.
 [[nodiscard]] std::optional<Intrinsics> intrinsics_in(const idf::Data& value);
 

@@ -91,6 +91,12 @@ class Gathering {
   }
 
   void read(const SnapshotEntry& entry) {
+    const idf::Type* type = store_.manifest().types.of_entity(entity_);
+    if (type != nullptr && !tells_) tells_ = tells_context(*type);
+    if (tells_ && !*tells_) {
+      reader().add(entry.time, {});
+      return;
+    }
     const auto values = values_of(entry);
     if (!values.ok())
       log::warning("'{}': its places and links cannot be read: {}",
@@ -101,6 +107,7 @@ class Gathering {
   Result<std::vector<InstanceResult>> values_of(const SnapshotEntry& entry) {
     std::vector<InstanceResult> instances;
     if (!entry.recorded) {
+      if (!decode_) return failed_precondition("only latents are left, and nothing decodes them");
       ENGRAM_ASSIGN_OR_RETURN(SnapshotResult decoded, decode_(entity_, entry));
       return std::move(decoded.instances);
     }
@@ -118,6 +125,7 @@ class Gathering {
   const DecodeLatents& decode_;
   std::map<uint32_t, Indexed> indexes_;
   std::optional<ContextReader> reader_;
+  std::optional<bool> tells_;  ///< Whether its type can have places, links or spans, if it has one.
   /// Each snapshot's context and its row there; null: in what was read.
   std::vector<std::pair<const EntityContext*, uint32_t>> rows_;
   uint32_t read_ = 0;
@@ -152,6 +160,22 @@ Result<EntityContext> context_in_store(StoreReader& store, const MemoryId& entit
   return std::move(gathering).take();
 }
 
+Result<uint64_t> index_segment(StoreReader& store, uint32_t segment, const DecodeLatents& decode,
+                               const std::stop_token& stop) {
+  const SegmentInfo& info = store.manifest().segments[segment];
+  ENGRAM_ASSIGN_OR_RETURN(const SegmentContexts contexts,
+                          contexts_of_segment(store, segment, decode, stop));
+  const Status written = edit_segment_index(
+      store.path(), info, kContextIndex,
+      [&contexts](std::span<const std::byte>) { return pack_contexts(contexts); });
+  // It was replaced meanwhile, and the next job indexes what replaced it.
+  if (written.code() == StatusCode::kNotFound) return uint64_t{0};
+  ENGRAM_RETURN_IF_ERROR(written);
+  uint64_t snapshots = 0;
+  for (const auto& [entity, context] : contexts) snapshots += context.times.size();
+  return snapshots;
+}
+
 Result<ContextIndexing> index_contexts(StoreReader& store, const DecodeLatents& decode,
                                        const std::function<bool()>& is_over,
                                        const ProgressSink& progress, const std::stop_token& stop) {
@@ -164,21 +188,17 @@ Result<ContextIndexing> index_contexts(StoreReader& store, const DecodeLatents& 
       continue;
     }
     if (progress) progress({"index places and links", i, segments.size(), "", -1});
-    const auto contexts = contexts_of_segment(store, i, decode, stop);
-    if (contexts.status().code() == StatusCode::kCancelled) return contexts.status();
-    if (!contexts.ok()) {
+    const auto indexed = index_segment(store, i, decode, stop);
+    if (const StatusCode code = indexed.status().code();
+        code == StatusCode::kCancelled || code == StatusCode::kResourceExhausted)
+      return indexed.status();
+    if (!indexed.ok()) {
       log::warning("store '{}': '{}' has no index of places and links: {}", store.path().string(),
-                   segments[i].file, contexts.status().message());
+                   segments[i].file, indexed.status().message());
       continue;
     }
-    const Status written = edit_segment_index(
-        store.path(), segments[i], kContextIndex,
-        [&contexts](std::span<const std::byte>) { return pack_contexts(*contexts); });
-    // It was replaced meanwhile, and the next job indexes what replaced it.
-    if (written.code() == StatusCode::kNotFound) continue;
-    ENGRAM_RETURN_IF_ERROR(written);
     ++report.segments;
-    for (const auto& [entity, context] : *contexts) report.snapshots += context.times.size();
+    report.snapshots += *indexed;
   }
   if (progress && report.segments > 0 && report.left == 0)
     progress({"index places and links", segments.size(), segments.size(), "", -1});

@@ -23,9 +23,15 @@ using DecodeLatents =
 Result<EntityContext> context_in_store(StoreReader& store, const MemoryId& entity,
                                        const DecodeLatents& decode);
 
+/// Makes the index of one segment, a position in the manifest's list (checked). Returns how many
+/// snapshots are in it.
+/// Errors: kCancelled on `stop`; kDataLoss, kUnavailable, kResourceExhausted.
+Result<uint64_t> index_segment(StoreReader& store, uint32_t segment, const DecodeLatents& decode,
+                               const std::stop_token& stop);
+
 /// What index_contexts() did.
 struct ContextIndexing {
-  uint64_t segments = 0;   ///< That got an index.
+  uint64_t segments = 0;   ///< That are indexed now and were not.
   uint64_t snapshots = 0;  ///< That are in these indexes.
   uint64_t left = 0;       ///< Segments without an index, because time was over.
 };

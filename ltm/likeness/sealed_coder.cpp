@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <set>
 
+#include "ltm/context/segment_contexts.h"
 #include "ltm/core/log.h"
 #include "ltm/likeness/seen_image.h"
 #include "ltm/likeness/stored_codes.h"
@@ -98,8 +99,8 @@ void SealedCoder::run(const std::stop_token& stop) {
     if (!coded.ok()) {
       ++left_;
       if (coded.code() != StatusCode::kCancelled)
-        log::warning("store '{}': images of '{}' have no codes until the next night: {}",
-                     store_.string(), file, coded.message());
+        log::warning("store '{}': '{}' has no indexes until the next night: {}", store_.string(),
+                     file, coded.message());
     }
     lock.lock();
     is_coding_ = false;
@@ -108,14 +109,18 @@ void SealedCoder::run(const std::stop_token& stop) {
 }
 
 Status SealedCoder::code(const std::string& segment_file, const std::stop_token& stop) {
-  const auto spaces = spaces_of(store_);
-  if (spaces.empty()) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto past, StorePast::open(store_, {}, {}));
   StoreReader& store = past->store();
   const auto& segments = store.manifest().segments;
   const auto segment = std::ranges::find(segments, segment_file, &SegmentInfo::file);
   if (segment == segments.end()) return {};
   const auto number = static_cast<uint32_t>(segment - segments.begin());
+  const SteadyTime began = steady_now();
+  // What was just sealed has no latents.
+  ENGRAM_RETURN_IF_ERROR(index_segment(store, number, {}, stop).status());
+  rest(steady_now() - began, stop);
+  const auto spaces = spaces_of(store_);
+  if (spaces.empty()) return {};
   for (const SegmentEntity& part : segment->entities) {
     if (!spaces.contains(entity_index_name(part.id, kSpaceIndex))) continue;
     const auto space = space_of(store, part.id);

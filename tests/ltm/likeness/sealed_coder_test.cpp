@@ -46,7 +46,9 @@ TEST_F(SealedCoderTest, CodesWhatIsSealedOnceTheEntityHasASpace) {
   record(coder, 0);
   coder.finish();
   EXPECT_EQ(coder.counters().coded, 0u);
-  EXPECT_FALSE(std::filesystem::exists(store_ / kIndexFolder));
+  // Places and links are indexed without a space.
+  EXPECT_TRUE(std::filesystem::exists(store_ / kIndexFolder / "000001.context"));
+  EXPECT_FALSE(std::filesystem::exists(store_ / kIndexFolder / "000001.codes"));
   ASSERT_OK(make_codes(store_, {}, {}, {}, {}));
   record(coder, 1);
   coder.finish();
