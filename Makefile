@@ -215,6 +215,8 @@ recall-bars: build
 	@cmake/install_packages.sh experiments/packages.txt
 	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
 	  /usr/bin/python3 -m experiments.recall --recordings "$(RECORDINGS)/g1" $(BARS)
+	PYTHONPATH="$(CURDIR):$(CURDIR)/build/release/python" PYTHONDONTWRITEBYTECODE=1 \
+	  /usr/bin/python3 -m experiments.recall.places
 
 many-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 -m experiments.many --engram build/release/bin/engram \

@@ -79,7 +79,8 @@ void collect_snapshots(const std::vector<NameQuery<Below>>& level,
   }
 }
 
-/// The names of an entity as patterns that match nothing else.
+}  // namespace
+
 QueryPath path_of(const MemoryId& entity) {
   ENGRAM_CHECK(entity.has_entity(), "'{}' has no entity", entity.to_string());
   QueryPath names;
@@ -90,8 +91,6 @@ QueryPath path_of(const MemoryId& entity) {
   }
   return names;
 }
-
-}  // namespace
 
 QueryBuilder::QueryBuilder(bool is_ids_only) {
   query_.memories_.clear();

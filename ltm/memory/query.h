@@ -90,6 +90,11 @@ class Query {
   /// validates (checked).
   static Query of_entity(const MemoryId& entity, const Selector& selector);
 
+  /// The same of a selector with instances and conditions in text form: "latest:3#0 while ENTITY".
+  /// Errors: those of parse(); kInvalidArgument if `entity` has a time.
+  static Result<Query> of_entity(const MemoryId& entity, std::string_view snapshots,
+                                 bool is_ids_only = false);
+
   /// A query of exactly one entity with several selectors, at least one.
   /// Errors: kInvalidArgument where one does not validate, or where there are too many.
   static Result<Query> of_entity(const MemoryId& entity, std::span<const Selector> selectors);

@@ -12,6 +12,10 @@ namespace engram::ltm {
 /// The names from the root of a query to the snapshots of an entity.
 using QueryPath = std::array<NamePattern, MemoryId::kNameLevels>;
 
+/// The names of an entity as patterns that match nothing else. Needs the ID of an entity or deeper
+/// (checked).
+[[nodiscard]] QueryPath path_of(const MemoryId& entity);
+
 /// Builds a query in normal form, selector by selector.
 ///
 /// Threading: one thread.

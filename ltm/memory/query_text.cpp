@@ -88,6 +88,11 @@ class QueryParser {
     return std::move(builder).take();
   }
 
+  /// Reads the whole text as selectors of the entities that `names` match.
+  Status parse_selectors(const QueryPath& names, QueryBuilder& builder) {
+    return parse_selectors(text_, names, builder);
+  }
+
  private:
   /// Adds the text and the position to an error; positions count bytes from 1.
   /// A part is a view of the text, so its address gives its position.
@@ -101,7 +106,12 @@ class QueryParser {
     ENGRAM_ASSIGN_OR_RETURN(const QueryPath names,
                             parse_names(trim_unescaped(branch.substr(0, selectors))));
     if (selectors == std::string_view::npos) return add(branch, names, {}, builder);
-    for (const std::string_view selector : split_selectors(branch.substr(selectors + 1))) {
+    return parse_selectors(branch.substr(selectors + 1), names, builder);
+  }
+
+  Status parse_selectors(std::string_view selectors, const QueryPath& names,
+                         QueryBuilder& builder) {
+    for (const std::string_view selector : split_selectors(selectors)) {
       ENGRAM_ASSIGN_OR_RETURN(SnapshotQuery snapshots, parse_snapshots(trim_unescaped(selector)));
       ENGRAM_RETURN_IF_ERROR(add(selector, names, std::move(snapshots), builder));
     }
@@ -199,6 +209,16 @@ class QueryPrinter {
 
 Result<Query> Query::parse(std::string_view text) {
   return QueryParser(text).parse();
+}
+
+Result<Query> Query::of_entity(const MemoryId& entity, std::string_view snapshots,
+                               bool is_ids_only) {
+  if (!entity.is_entity())
+    return invalid_argument("'{}' is no entity: needs memory/core/provider/entity",
+                            entity.to_string());
+  QueryBuilder builder(is_ids_only);
+  ENGRAM_RETURN_IF_ERROR(QueryParser(snapshots).parse_selectors(path_of(entity), builder));
+  return std::move(builder).take();
 }
 
 std::string Query::to_string() const {

@@ -86,10 +86,7 @@ Result<std::vector<int64_t>> FrontDoor::times_of(Memory& memory, const std::stri
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query data, ltm::Query::of_entity(id, selectors));
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query ids, ltm::Query::create(data.memories(), true));
   ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, memory.query(ids));
-  std::vector<int64_t> times;
-  if (const ltm::EntityResult* found = answer.find_entity(id))
-    for (const ltm::SnapshotResult& one : found->snapshots) times.push_back(to_ns(one.time));
-  return times;
+  return times_in(answer, id);
 }
 
 std::vector<std::string> FrontDoor::entities() {
@@ -132,12 +129,21 @@ std::vector<int64_t> FrontDoor::times(const std::string& entity, std::optional<i
   return with_memory([&](Memory& memory) { return times_of(memory, entity, {behind}); });
 }
 
+std::vector<int64_t> FrontDoor::selected_times(const std::string& entity,
+                                               const std::string& selectors) {
+  return with_memory([&](Memory& memory) -> Result<std::vector<int64_t>> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Query ids, ltm::Query::of_entity(id, selectors, true));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, memory.query(ids));
+    return times_in(answer, id);
+  });
+}
+
 py::list FrontDoor::select(const std::string& entity, const std::string& selector) {
   const auto result = with_memory([&](Memory& memory) -> Result<ltm::QueryResult> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::Selector parsed, ltm::parse_selector(selector));
-    ENGRAM_RETURN_IF_ERROR(ltm::validate(parsed));
-    return memory.query(ltm::Query::of_entity(id, parsed));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::of_entity(id, selector));
+    return memory.query(query);
   });
   py::list snapshots;
   for (const ltm::EntityResult* found : result.entities())

@@ -164,13 +164,22 @@ std::vector<int64_t> OpenStore::times(const std::string& entity, std::optional<i
   });
 }
 
+std::vector<int64_t> OpenStore::selected_times(const std::string& entity,
+                                               const std::string& selectors) {
+  return with_recall([&](ltm::Recall& recall) -> Result<std::vector<int64_t>> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Query ids, ltm::Query::of_entity(id, selectors, true));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult answer, recall.query(ids));
+    return times_in(answer, id);
+  });
+}
+
 py::list OpenStore::select(const std::string& entity, const std::string& selector,
                            bool prefers_latents) {
   const auto result = with_recall([&](ltm::Recall& recall) -> Result<ltm::QueryResult> {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::Selector parsed, ltm::parse_selector(selector));
-    ENGRAM_RETURN_IF_ERROR(ltm::validate(parsed));
-    return recall.query(ltm::Query::of_entity(id, parsed), options_of(prefers_latents));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::of_entity(id, selector));
+    return recall.query(query, options_of(prefers_latents));
   });
   py::list snapshots;
   for (const ltm::EntityResult* found : result.entities())

@@ -39,7 +39,10 @@ class OpenStore {
   /// Times (ns) of the first `count` snapshots after `after` (ns; None: from the beginning).
   std::vector<int64_t> times(const std::string& entity, std::optional<int64_t> after, size_t count);
 
-  /// The snapshots of one entity that a selector (docs/query.md) takes, as a list of dicts.
+  /// The times that selectors with conditions (docs/query.md) take of one entity. Unit: ns.
+  std::vector<int64_t> selected_times(const std::string& entity, const std::string& selectors);
+
+  /// The snapshots of one entity that selectors with conditions take, as a list of dicts.
   pybind11::list select(const std::string& entity, const std::string& selector,
                         bool prefers_latents);
 

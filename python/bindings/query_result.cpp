@@ -74,6 +74,13 @@ py::list snapshots_of(const ltm::MemoryId& entity,
   return snapshots;
 }
 
+std::vector<int64_t> times_in(const ltm::QueryResult& answer, const ltm::MemoryId& entity) {
+  std::vector<int64_t> times;
+  if (const ltm::EntityResult* found = answer.find_entity(entity))
+    for (const ltm::SnapshotResult& one : found->snapshots) times.push_back(to_ns(one.time));
+  return times;
+}
+
 py::list answer_of(const ltm::QueryResult& result) {
   py::list answer;
   for (const ltm::EntityResult* found : result.entities())

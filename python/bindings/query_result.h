@@ -19,6 +19,10 @@ namespace engram::python {
 /// The list of (entity, snapshots) from which the result of Memory.query is built. Needs the GIL.
 [[nodiscard]] pybind11::list answer_of(const ltm::QueryResult& result);
 
+/// The times of the snapshots that an answer has of an entity. Unit: ns.
+[[nodiscard]] std::vector<int64_t> times_in(const ltm::QueryResult& answer,
+                                            const ltm::MemoryId& entity);
+
 /// The dicts {"name", "model", "predictions", "error", "bound"} from which engram.snapshot.Engine
 /// is built, in the order of `records`. Needs the GIL.
 [[nodiscard]] pybind11::list engines_of(const std::vector<ltm::EngineRecord>& records);

@@ -32,6 +32,7 @@ class StoreDoor:
         self.summary = self._store.summary
         self.span = self._store.span
         self.times = self._store.times
+        self.selected_times = self._store.selected_times
         self.similar = self._store.similar
         self.refresh = self._store.refresh
         self.close = self._store.close
@@ -71,6 +72,7 @@ class LiveDoor:
         self.entities = front.entities
         self.summary = front.summary
         self.times = front.times
+        self.selected_times = front.selected_times
         self.select = front.select
         self.query = front.query
         self.predict = front.predict

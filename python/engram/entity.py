@@ -176,9 +176,24 @@ class Entity:
         return [self.at(one) if one > last else self.nearest(one) for one in times]
 
     def snapshots(
-        self, start: TimeLike | None = None, end: TimeLike | None = None
+        self,
+        start: TimeLike | None = None,
+        end: TimeLike | None = None,
+        *,
+        where: str = "",
     ) -> Iterator[Snapshot]:
-        """The moments from `start` to `end`, both included, in order; a few are in memory."""
+        """The moments from `start` to `end`, both included, in order; a few are in memory.
+
+        `where` has conditions on their place and context (docs/query.md, "Conditions"):
+        "within Objects/Surfaces/kitchen/table 0.3m while Skills/Actions/robot/pick". Raises
+        ValueError for what is no condition, and EngramError for a place that is not there.
+        """
+        if where:
+            met = self._meeting(start, end, where)
+            for i in range(0, len(met), _SNAPSHOTS_AT_ONCE):
+                some = met[i : i + _SNAPSHOTS_AT_ONCE]
+                yield from self._select(", ".join(f"time:{time}" for time in some))
+            return
         after = None if start is None else to_ns(start) - 1
         stop = None if end is None else to_ns(end)
         while True:
@@ -196,9 +211,19 @@ class Entity:
         return self.snapshots()
 
     def times(
-        self, start: TimeLike | None = None, end: TimeLike | None = None
+        self,
+        start: TimeLike | None = None,
+        end: TimeLike | None = None,
+        *,
+        where: str = "",
     ) -> npt.NDArray[np.datetime64]:
-        """The moments from `start` to `end`, both included, as datetime64[ns]; decodes nothing."""
+        """The moments from `start` to `end`, both included, as datetime64[ns]; decodes nothing.
+
+        `where` is that of `snapshots`.
+        """
+        if where:
+            met = self._meeting(start, end, where)
+            return np.asarray(met, np.int64).astype("datetime64[ns]")
         after = None if start is None else to_ns(start) - 1
         stop = None if end is None else to_ns(end)
         times: list[int] = []
@@ -255,6 +280,11 @@ class Entity:
             f"<Entity {self.name}: {about['snapshots']:,} snapshots, "
             f"{to_datetime64(about['first'])} to {to_datetime64(about['last'])}{sizes}{models}>"
         )
+
+    def _meeting(self, start: TimeLike | None, end: TimeLike | None, where: str) -> list[int]:
+        first = -(2**62) if start is None else to_ns(start)
+        last = 2**63 - 1 if end is None else to_ns(end)
+        return self._door.selected_times(self.name, f"time:{first}..{last} {where}")
 
     def _select(self, selector: str) -> list[Snapshot]:
         found = self._door.select(self.name, selector)
