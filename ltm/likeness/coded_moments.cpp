@@ -136,6 +136,31 @@ void CodedMoments::finish() {
                                         : spread_of(std::span<const float>(floats), numbers);
 }
 
+void CodedMoments::finish_from(size_t finished) {
+  constexpr size_t kLast = 200'000;
+  if (size() <= kLast) {
+    finish();
+    return;
+  }
+  // From the beginning of a recording on, because what began before may go on.
+  const size_t changed = std::min(finished, size() - kLast);
+  size_t first = changed;
+  while (!recordings.empty() && recordings.back().end >= changed) {
+    first = std::min(first, recordings.back().first);
+    recordings.pop_back();
+  }
+  for (const Sequence& one : cut_recordings(std::span(times).subspan(first)))
+    recordings.push_back({one.first + first, one.end + first});
+}
+
+void CodedMoments::truncate(size_t count) {
+  times.resize(count);
+  if (!bytes.empty()) bytes.resize(count * numbers);
+  if (!floats.empty()) floats.resize(count * numbers);
+  while (!recordings.empty() && recordings.back().first >= count) recordings.pop_back();
+  if (!recordings.empty()) recordings.back().end = std::min(recordings.back().end, count);
+}
+
 std::vector<float> CodedMoments::square_distances(size_t moment, Duration context) const {
   const auto lags = lags_of(context);
   const double unit =

@@ -49,7 +49,16 @@ struct CodedMoments {
   [[nodiscard]] size_t before(size_t moment, Duration lag) const;
 
   /// Finds the recordings and the spread. Call it once all moments are there.
+  /// Complexity: O(N K).
   void finish();
+
+  /// The same once more moments are behind the first `finished`, for which it was called. Of more
+  /// than 200,000 moments the spread stays, and recordings are cut by the steps of the last of
+  /// them. Complexity: O(moments behind `finished`), and of 200,000.
+  void finish_from(size_t finished);
+
+  /// Takes away all moments behind the first `count`.
+  void truncate(size_t count);
 
   /// The squares of the distances of all moments from one of them, with what came before each,
   /// 0.2, 0.6, 1 and 2 s before for a context of 2 s. 1: as far as two at random. Shape: [N].

@@ -220,6 +220,7 @@ class MomentCoder::Run {
   Status code_sealed() {
     auto sealed = std::make_shared<CodedMoments>(without_moments());
     std::vector<uint64_t> from;
+    if (coder_.sealed_) coder_.sealed_->truncate(coder_.sealed_from_.size());
     const Status coded = code_sealed(*sealed, from);
     const bool is_whole = coded.ok();
     if (!is_whole && coder_.sealed_) {
@@ -328,21 +329,36 @@ class MomentCoder::Run {
     return {};
   }
 
+  static void append_newer(Time time, const Row& row, CodedMoments& all) {
+    if (row.empty()) return;
+    all.times.push_back(time);
+    append_row(row, all);
+  }
+
   /// Sealed moments with the newer ones among them, which count where both are.
   [[nodiscard]] std::shared_ptr<const CodedMoments> joined_moments() const {
     const bool is_image = coder_.coded_by_ == CodedBy::kImages;
+    CodedMoments& sealed = *coder_.sealed_;
+    const size_t count = coder_.sealed_from_.size();
+    if (sealed.size() > count) {
+      sealed.truncate(count);
+      if (newer_.empty()) sealed.finish_from(count);
+    }
     if (newer_.empty() && is_image) return coder_.sealed_;
+    const bool is_behind = sealed.times.empty() || newer_.begin()->first > sealed.times.back();
+    if (is_image && is_behind) {
+      for (const auto& [time, row] : newer_) append_newer(time, *row, sealed);
+      sealed.finish_from(count);
+      return coder_.sealed_;
+    }
     auto all = std::make_shared<CodedMoments>(without_moments());
-    const CodedMoments& sealed = *coder_.sealed_;
     size_t next = 0;
     for (const auto& [time, row] : newer_) {
       const auto until = std::ranges::lower_bound(sealed.times, time);
       const auto end = static_cast<size_t>(until - sealed.times.begin());
       append_moments(sealed, next, end, *all);
       next = until != sealed.times.end() && *until == time ? end + 1 : end;
-      if (row->empty()) continue;
-      all->times.push_back(time);
-      append_row(*row, *all);
+      append_newer(time, *row, *all);
     }
     append_moments(sealed, next, sealed.size(), *all);
     if (!is_image) {

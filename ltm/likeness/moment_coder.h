@@ -18,7 +18,7 @@ namespace engram::ltm {
 
 /// The codes of an entity, and what it took to have them.
 struct CodedAnswer {
-  std::shared_ptr<const CodedMoments> moments;
+  std::shared_ptr<const CodedMoments> moments;  ///< May change with the next question.
   uint64_t computed = 0;  ///< Images that were decoded for it, because no code of them was there.
 };
 
@@ -31,7 +31,7 @@ struct CodedAnswer {
 /// 100,000 sealed moments with numbers an even part is taken.
 ///
 /// What is in segments is gathered once for each generation of the store. A question later on costs
-/// what came since then, and a copy of the codes.
+/// what came since then, and a copy of the codes if some of that lies between older moments.
 /// Threading: one thread.
 class MomentCoder {
  public:
@@ -61,9 +61,10 @@ class MomentCoder {
   size_t numbers_ = 0;         ///< K of a row.
   std::vector<double> first_;  ///< Taken off numbers, so that floats tell small steps apart. [K]
 
-  /// What is in segments; of numbers before their changes and as they are.
-  std::shared_ptr<const CodedMoments> sealed_;
-  std::vector<uint64_t> sealed_from_;   ///< Where each of them is stored. Shape: [N].
+  /// What is in segments; of numbers before their changes and as they are. Of images newer moments
+  /// may stand behind them, for the question at hand.
+  std::shared_ptr<CodedMoments> sealed_;
+  std::vector<uint64_t> sealed_from_;   ///< Where each sealed moment is stored.
   std::optional<uint64_t> generation_;  ///< Of the store that `sealed_` is whole for.
   std::map<std::pair<uint64_t, uint64_t>, Row> unsealed_;  ///< By journal and offset.
   std::map<Time, HeldRow> held_;

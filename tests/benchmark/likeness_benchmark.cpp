@@ -21,9 +21,9 @@ CodedMoments random_codes(size_t count) {
     coded.times.push_back(
         time_from_ns(recording * 3'600'000'000'000 + static_cast<int64_t>(i) * 200'000'000));
     for (size_t j = 0; j < kCodeSize; ++j)
-      coded.codes.push_back(static_cast<float>(number(random)));
+      coded.bytes.push_back(static_cast<int8_t>(number(random)));
   }
-  coded.recordings = cut_recordings(coded.times);
+  coded.finish();
   return coded;
 }
 
@@ -38,6 +38,8 @@ void BM_CompareWithCodes(benchmark::State& state) {
 BENCHMARK(BM_CompareWithCodes)
     ->Args({1'000'000, 0})
     ->Args({1'000'000, 2})
+    ->Args({10'000'000, 0})
+    ->Args({10'000'000, 2})
     ->Unit(benchmark::kMillisecond);
 
 /// Argument: the height of the image.
