@@ -241,9 +241,10 @@ Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes) {
   SegmentContexts contexts;
   ENGRAM_RETURN_IF_ERROR(
       walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
-        ENGRAM_ASSIGN_OR_RETURN(MemoryId entity, MemoryId::parse(name));
+        auto entity = MemoryId::parse(name);
+        if (!entity.ok() || !entity->is_entity()) return context_damaged();
         ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_one(packed));
-        contexts.emplace_back(std::move(entity), std::move(context));
+        contexts.emplace_back(*std::move(entity), std::move(context));
         return {};
       }));
   return contexts;
