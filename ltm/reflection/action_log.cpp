@@ -2,7 +2,6 @@
 #include "ltm/reflection/action_log.h"
 
 #include <algorithm>
-#include <cctype>
 #include <ranges>
 #include <tuple>
 
@@ -39,48 +38,6 @@ std::optional<Time> time_member(const idf::Dict& dict, std::string_view name) {
 
 }  // namespace
 
-std::string_view ActionLog::name_of(Outcome outcome) {
-  switch (outcome) {
-    case Outcome::kRunning:
-      return "running";
-    case Outcome::kSuccess:
-      return "success";
-    case Outcome::kFailure:
-      return "failure";
-    case Outcome::kStop:
-      return "stop";
-    case Outcome::kUnknown:
-      break;
-  }
-  return "unknown";
-}
-
-ActionLog::Outcome ActionLog::outcome_named(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  const auto has = [&name](std::string_view part) { return name.find(part) != std::string::npos; };
-  if (has("unsucc") || has("fail") || has("error") || has("abort")) return Outcome::kFailure;
-  if (has("succ") || has("done") || has("finish")) return Outcome::kSuccess;
-  if (has("stop") || has("cancel") || has("preempt")) return Outcome::kStop;
-  if (has("run") || has("active") || has("begun") || has("start")) return Outcome::kRunning;
-  return Outcome::kUnknown;
-}
-
-ActionLog::Outcome ActionLog::outcome_of(const idf::Data& value,
-                                         const std::optional<idf::Type>& type) {
-  if (const auto* flag = value.get_if<bool>()) return *flag ? Outcome::kSuccess : Outcome::kFailure;
-  if (const auto* text = value.get_if<std::string>()) return outcome_named(*text);
-  const auto* number = value.get_if<int32_t>();
-  if (number == nullptr || !type) return Outcome::kUnknown;
-  for (const idf::Member& part : type->parts()) {
-    const auto* choices =
-        part.name == "outcome" ? part.type.get_if<idf::types::IntEnum>() : nullptr;
-    if (choices == nullptr) continue;
-    for (const idf::EnumValue& choice : choices->values)
-      if (choice.value == *number) return outcome_named(choice.name);
-  }
-  return Outcome::kUnknown;
-}
-
 bool ActionLog::add(const MemoryId& entity, Time time, const idf::Data& value,
                     const std::optional<idf::Type>& type) {
   const auto* dict = value.get_if<idf::Dict>();
@@ -89,7 +46,7 @@ bool ActionLog::add(const MemoryId& entity, Time time, const idf::Data& value,
   Row row{entity, time, text_member(*dict, "skill")};
   if (row.skill.empty() || outcome == nullptr) return false;
   if (rows_.size() >= kMaxActions) return true;
-  row.outcome = outcome_of(*outcome, type);
+  row.outcome = outcome_of(*outcome, "outcome", type);
   const auto started = time_member(*dict, "started");
   row.has_started = started.has_value();
   row.started = started.value_or(time);
@@ -110,7 +67,7 @@ std::vector<ActionLog::Action> ActionLog::actions() const {
     Action& action = found[{row.entity, row.started}];
     action.row = &row;
     action.started = row.started;
-    if (row.outcome == Outcome::kRunning) {
+    if (row.outcome == ActionOutcome::kRunning) {
       action.has_begun = true;
     } else {
       action.outcome = row.outcome;
@@ -184,9 +141,9 @@ void ActionLog::rate_skills(const std::vector<Action>& actions, Reflection& refl
       rate.by = kBy[static_cast<size_t>(by)];
       if (!action.ended) continue;
       ++rate.runs;
-      rate.successes += action.outcome == Outcome::kSuccess ? 1 : 0;
-      rate.failures += action.outcome == Outcome::kFailure ? 1 : 0;
-      rate.stops += action.outcome == Outcome::kStop ? 1 : 0;
+      rate.successes += action.outcome == ActionOutcome::kSuccess ? 1 : 0;
+      rate.failures += action.outcome == ActionOutcome::kFailure ? 1 : 0;
+      rate.stops += action.outcome == ActionOutcome::kStop ? 1 : 0;
       rate.mean_duration_s += to_seconds(*action.ended - action.started);
     }
   }
@@ -209,13 +166,14 @@ void ActionLog::find_chains(const std::vector<Action>& actions, Reflection& refl
   std::map<std::vector<std::string>, uint64_t> chains;
   for (const auto& all : by_segment | std::views::values) {
     for (size_t i = 0; i < all.size(); ++i) {
-      if (all[i]->outcome != Outcome::kFailure && all[i]->outcome != Outcome::kStop) continue;
+      if (all[i]->outcome != ActionOutcome::kFailure && all[i]->outcome != ActionOutcome::kStop)
+        continue;
       const std::string& skill = all[i]->row->skill;
       std::vector<std::string> steps;
       size_t at = i;
       for (; at < all.size() && steps.size() < kMaxChainSteps; ++at) {
         steps.push_back(fmt::format("{} {}", all[at]->row->skill, name_of(all[at]->outcome)));
-        if (all[at]->outcome == Outcome::kSuccess && all[at]->row->skill == skill) break;
+        if (all[at]->outcome == ActionOutcome::kSuccess && all[at]->row->skill == skill) break;
       }
       ++chains[steps];
       i = std::min(at, all.size() - 1);

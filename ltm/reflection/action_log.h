@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ltm/idf/type.h"
+#include "ltm/memory/action_outcome.h"
 #include "ltm/reflection/finding_list.h"
 #include "ltm/reflection/reflection.h"
 
@@ -37,14 +38,12 @@ class ActionLog {
                const std::map<MemoryId, EntityReflection*>& entities, FindingList& findings) const;
 
  private:
-  enum class Outcome : uint8_t { kUnknown, kRunning, kSuccess, kFailure, kStop };
-
   /// A snapshot of an action.
   struct Row {
     MemoryId entity;
     Time time{};
     std::string skill;
-    Outcome outcome = Outcome::kUnknown;
+    ActionOutcome outcome = ActionOutcome::kUnknown;
     Time started{};
     bool has_started = false;
     std::string object, hand, place;
@@ -54,20 +53,17 @@ class ActionLog {
   struct Action {
     const Row* row = nullptr;
     bool has_begun = false;
-    Outcome outcome = Outcome::kRunning;
+    ActionOutcome outcome = ActionOutcome::kRunning;
     Time started{};
     std::optional<Time> ended;
   };
 
-  static Outcome outcome_of(const idf::Data& value, const std::optional<idf::Type>& type);
-  static Outcome outcome_named(std::string name);
   [[nodiscard]] std::vector<Action> actions() const;
   static void find_broken(const std::vector<Action>& actions, Time end, Reflection& reflection,
                           const std::map<MemoryId, EntityReflection*>& entities,
                           FindingList& findings);
   static void rate_skills(const std::vector<Action>& actions, Reflection& reflection);
   static void find_chains(const std::vector<Action>& actions, Reflection& reflection);
-  static std::string_view name_of(Outcome outcome);
 
   std::vector<Row> rows_;
 };
