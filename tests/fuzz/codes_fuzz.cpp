@@ -2,6 +2,7 @@
 #include "ltm/codec/zstd.h"
 #include "ltm/likeness/likeness_space.h"
 #include "ltm/likeness/stored_codes.h"
+#include "ltm/saliency/stored_saliency.h"
 #include "tests/fuzz/fuzz_check.h"
 
 namespace engram::ltm {
@@ -24,6 +25,19 @@ void unpack_both(std::span<const std::byte> bytes) {
   } else {
     ENGRAM_CHECK(space.status().code() == StatusCode::kDataLoss, "{}", space.status().to_string());
   }
+  if (const auto saliency = unpack_saliency(bytes); saliency.ok()) {
+    const auto again = unpack_saliency(pack_saliency(*saliency));
+    ENGRAM_CHECK(again.ok() && again->size() == saliency->size(), "saliency differs");
+    for (size_t i = 0; i < saliency->size(); ++i)
+      ENGRAM_CHECK(
+          (*again)[i].times == (*saliency)[i].times && (*again)[i].parts == (*saliency)[i].parts,
+          "saliency differs");
+  } else {
+    ENGRAM_CHECK(saliency.status().code() == StatusCode::kDataLoss, "{}",
+                 saliency.status().to_string());
+  }
+  if (const auto weights = unpack_weights(bytes); weights.ok())
+    ENGRAM_CHECK(weights->validate().ok(), "weights are wrong");
 }
 
 }  // namespace
