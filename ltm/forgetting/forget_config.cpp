@@ -48,6 +48,16 @@ Result<ImportancePolicy::Options> read_importance(const ConfigValue& value) {
   return options;
 }
 
+Result<SaliencyPolicy::Options> read_saliency(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
+  SaliencyPolicy::Options options;
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "below", options.below, &ConfigValue::number));
+  ENGRAM_RETURN_IF_ERROR(read_optional(map, "keep", options.keep, &ConfigValue::number));
+  ENGRAM_RETURN_IF_ERROR(map.finish());
+  if (const Status status = options.validate(); !status.ok()) return value.error(status);
+  return options;
+}
+
 Result<SimilarityFilter::Options> read_redundancy(const ConfigValue& value) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
   ENGRAM_ASSIGN_OR_RETURN(SimilarityFilter::Options options, read_similarity_options(map));
@@ -73,6 +83,9 @@ Result<ForgetRule> read_rule_keys(ConfigMap& map, std::string_view age_key) {
   if (access.unread_for || access.read_less_than) rule.access = access;
   if (const auto importance = map.find("importance")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.importance, read_importance(*importance));
+  }
+  if (const auto saliency = map.find("saliency")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.saliency, read_saliency(*saliency));
   }
   if (const auto redundant = map.find("redundant")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.redundancy, read_redundancy(*redundant));
@@ -107,7 +120,7 @@ Result<FadeStep> read_fade_step(const ConfigValue& value) {
   ENGRAM_RETURN_IF_ERROR(map.finish());
   if (!step.rule.has_policy())
     return value.error(
-        "needs 'after', 'unread_for', 'read_less_than', 'importance' or 'redundant'");
+        "needs 'after', 'unread_for', 'read_less_than', 'importance', 'saliency' or 'redundant'");
   if (const Status status = step.validate(); !status.ok()) return value.error(status);
   return step;
 }

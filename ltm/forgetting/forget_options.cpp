@@ -6,12 +6,13 @@ namespace engram::ltm {
 Status ForgetRule::validate() const {
   if (!has_policy())
     return invalid_argument(
-        "rule of '{}': has no policy, needs older_than, unread_for, read_less_than, importance "
-        "or redundant",
+        "rule of '{}': has no policy, needs older_than, unread_for, read_less_than, importance, "
+        "saliency or redundant",
         match.to_string());
   if (age) ENGRAM_RETURN_IF_ERROR(age->validate());
   if (access) ENGRAM_RETURN_IF_ERROR(access->validate());
   if (importance) ENGRAM_RETURN_IF_ERROR(importance->validate());
+  if (saliency) ENGRAM_RETURN_IF_ERROR(saliency->validate());
   return redundancy ? redundancy->validate() : Status();
 }
 
@@ -21,6 +22,7 @@ Result<std::vector<std::unique_ptr<ForgetPolicy>>> ForgetRule::policies(Time now
   if (age) made.push_back(std::make_unique<AgePolicy>(*age, now));
   if (access) made.push_back(std::make_unique<UnreadPolicy>(*access, now));
   if (importance) made.push_back(std::make_unique<ImportancePolicy>(*importance));
+  if (saliency) made.push_back(std::make_unique<SaliencyPolicy>(*saliency, match));
   if (redundancy) {
     ENGRAM_ASSIGN_OR_RETURN(auto policy, RedundancyPolicy::create(*redundancy));
     made.push_back(std::move(policy));

@@ -10,6 +10,7 @@
 #include "ltm/forgetting/age_policy.h"
 #include "ltm/forgetting/importance_policy.h"
 #include "ltm/forgetting/redundancy_policy.h"
+#include "ltm/forgetting/saliency_policy.h"
 #include "ltm/forgetting/unread_policy.h"
 
 namespace engram::ltm {
@@ -21,9 +22,12 @@ struct ForgetRule {
   std::optional<AgePolicy::Options> age;
   std::optional<UnreadPolicy::Options> access;
   std::optional<ImportancePolicy::Options> importance;
+  std::optional<SaliencyPolicy::Options> saliency;
   std::optional<SimilarityFilter::Options> redundancy;
 
-  [[nodiscard]] bool has_policy() const { return age || access || importance || redundancy; }
+  [[nodiscard]] bool has_policy() const {
+    return age || access || importance || saliency || redundancy;
+  }
   /// Errors: kInvalidArgument, also if there is no policy.
   [[nodiscard]] Status validate() const;
 

@@ -25,6 +25,17 @@ void add_snapshots(const std::vector<Link>& found, std::vector<MemoryId>& ids) {
 
 }  // namespace
 
+const SaliencyTable& ForgetSource::saliency() {
+  if (!saliency_) saliency_ = SaliencyTable::read(store(), accesses_);
+  return *saliency_;
+}
+
+SaliencyCut ForgetSource::saliency_cut(const EntityPattern& match, double share) {
+  const auto [known, is_new] = cuts_.try_emplace({match.to_string(), share});
+  if (is_new) known->second = saliency().cut_for(match, share);
+  return known->second;
+}
+
 Result<double> ForgetSource::confidence(const MemoryId& entity, const SnapshotEntry& entry) {
   if (!entry.recorded) {
     ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store().read_latent(entity, entry));

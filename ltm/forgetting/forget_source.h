@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "ltm/recall/access_table.h"
 #include "ltm/recall/recall.h"
+#include "ltm/saliency/saliency_table.h"
 
 namespace engram::ltm {
 
@@ -24,6 +29,12 @@ class ForgetSource {
     return accesses_.find(entity, snapshot);
   }
 
+  /// The saliency of all snapshots. It is read when it is asked for first.
+  const SaliencyTable& saliency();
+
+  /// See SaliencyTable::cut_for. It is calculated once for each pattern and share.
+  SaliencyCut saliency_cut(const EntityPattern& match, double share);
+
   /// The highest confidence of an instance. Decodes nothing.
   /// Errors: those of StoreReader.
   Result<double> confidence(const MemoryId& entity, const SnapshotEntry& entry);
@@ -40,6 +51,8 @@ class ForgetSource {
  private:
   Recall& recall_;
   const AccessTable& accesses_;
+  std::optional<SaliencyTable> saliency_;
+  std::map<std::pair<std::string, double>, SaliencyCut> cuts_;
 };
 
 }  // namespace engram::ltm

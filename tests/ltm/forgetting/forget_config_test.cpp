@@ -24,27 +24,31 @@ forget:
     - {match: Vision/RGB, older_than: 30d}
     - {unread_for: 90d, read_less_than: 3}
     - {importance: {path: score, below: 0.25}}
+    - {match: Objects, saliency: {keep: 0.1}}
     - {older_than: 1d, redundant: {numbers: {measure: rms, bound: 0.1}, max_gap: 1min}}
   quota:
     max_bytes: 200GiB
     min_free_disk: 10GiB
-    first: [{redundant: {}}, {importance: {}}]
+    first: [{redundant: {}}, {importance: {}}, {saliency: {below: 0.5}}]
   protect: {entities: [Grasp, .*/Pose], newest: 5, younger_than: 7d, linked: true}
 )");
   ASSERT_OK(options);
-  ASSERT_THAT(options->rules, SizeIs(4));
+  ASSERT_THAT(options->rules, SizeIs(5));
   EXPECT_EQ(options->rules[0].match.to_string(), "Vision/RGB");
   EXPECT_EQ(options->rules[0].age->older_than, std::chrono::hours(720));
   EXPECT_EQ(options->rules[1].access->unread_for, std::chrono::hours(24 * 90));
   EXPECT_EQ(options->rules[1].access->read_less_than, 3u);
   EXPECT_EQ(options->rules[2].importance->path, "score");
   EXPECT_EQ(options->rules[2].importance->below, 0.25);
-  EXPECT_TRUE(options->rules[3].age && options->rules[3].redundancy);
-  EXPECT_EQ(options->rules[3].redundancy->numbers.measure, Measure::kRms);
-  EXPECT_EQ(options->rules[3].redundancy->max_gap, std::chrono::minutes(1));
+  EXPECT_EQ(options->rules[3].saliency->keep, 0.1);
+  EXPECT_FALSE(options->rules[3].saliency->below);
+  EXPECT_TRUE(options->rules[4].age && options->rules[4].redundancy);
+  EXPECT_EQ(options->rules[4].redundancy->numbers.measure, Measure::kRms);
+  EXPECT_EQ(options->rules[4].redundancy->max_gap, std::chrono::minutes(1));
   EXPECT_EQ(options->max_bytes, uint64_t{200} << 30);
   EXPECT_EQ(options->min_free_disk_bytes, uint64_t{10} << 30);
-  EXPECT_THAT(options->first, SizeIs(2));
+  EXPECT_THAT(options->first, SizeIs(3));
+  EXPECT_EQ(options->first[2].saliency->below, 0.5);
   EXPECT_THAT(options->protection.entities, SizeIs(2));
   EXPECT_EQ(options->protection.newest, 5u);
   EXPECT_EQ(options->protection.younger_than, std::chrono::hours(168));
@@ -85,6 +89,10 @@ TEST(ForgetConfig, IsStrict) {
       {"forget: {rules: [{match: a/b/c/d/e, older_than: 3d}]}", "match"},
       {"forget: {rules: [{read_less_than: 0}]}", "1 or more"},
       {"forget: {rules: [{importance: {below: high}}]}", "below"},
+      {"forget: {rules: [{saliency: {keep: 2}}]}", "needs 0 to 1"},
+      {"forget: {rules: [{saliency: {keep: .nan}}]}", "keep"},
+      {"forget: {rules: [{saliency: {below: 0.1, keep: 0.1}}]}", "both 'below' and 'keep'"},
+      {"forget: {rules: [{saliency: {above: 0.1}}]}", "above"},
       {"forget: {rules: [{redundant: {numbers: {measure: rms, bound: -1}}}]}", "bound"},
       {"forget: {rules: [{redundant: {max_gap: 0s}}]}", "max_gap"},
       {"forget: {quota: {}}", "max_bytes"},

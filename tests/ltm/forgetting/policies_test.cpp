@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each policy by itself, through a rule.
 #include "ltm/forgetting/forget_options.h"
+#include "ltm/saliency/make_saliency.h"
 #include "tests/ltm/forgetting/forget_fixture.h"
 
 namespace engram::ltm {
 namespace {
 
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using Seconds = std::chrono::seconds;
@@ -95,6 +97,43 @@ TEST_F(Policies, ImportanceByValueLeavesWhatHasNone) {
   append({numbered("cam", 0, -4), numbered("cam", 1, 4), numbered("cam", 2, std::nan("")), text});
   EXPECT_THAT(gone(plan(only(importance("x", 0)))), ElementsAre(0));
   EXPECT_THAT(gone(plan(only(importance("y", 0)))), IsEmpty());
+}
+
+TEST_F(Policies, SaliencyTakesWhatItsNeighboursTell) {
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 40; ++i) snapshots.push_back(numbered("cam", i, i < 20 ? 1 : 7));
+  append(snapshots);
+  ForgetRule rule;
+  rule.saliency = SaliencyPolicy::Options{.below = 0.3};
+  EXPECT_THAT(gone(plan(only(rule))), IsEmpty());  // No night has looked at them.
+  ASSERT_OK(make_saliency(store_, {}, {}, {}, {}));
+  const auto low = gone(plan(only(rule)));
+  EXPECT_EQ(low.size(), 38u);
+  for (const int64_t change : {0, 20}) EXPECT_THAT(low, ::testing::Not(Contains(change)));
+  rule.saliency = SaliencyPolicy::Options{.keep = 0.5};
+  const auto half = gone(plan(only(rule)));
+  EXPECT_EQ(half.size(), 20u);
+  EXPECT_THAT(half, ::testing::Not(Contains(20)));
+  rule.match = *EntityPattern::parse("Vision/RGB/head/other");
+  EXPECT_THAT(gone(plan(only(rule))), IsEmpty());
+}
+
+TEST_F(Policies, AQuotaTakesTheLeastSalientFirst) {
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 40; ++i) {
+    snapshots.push_back(noisy("cam", i, 20'000));
+    snapshots.back().instances.front().data.get_if<idf::Dict>()->set("x", i < 20 ? 1.0 : 7.0);
+  }
+  append(snapshots);
+  ASSERT_OK(make_saliency(store_, {}, {}, {}, {}));
+  ForgetOptions options;
+  options.protection.newest = 0;
+  options.max_bytes = context().store_bytes / 10;
+  options.first.emplace_back().saliency = SaliencyPolicy::Options{};
+  const auto taken = gone(plan(options));
+  EXPECT_GT(taken.size(), 30u);
+  EXPECT_LT(taken.size(), 39u);
+  for (const int64_t change : {0, 20}) EXPECT_THAT(taken, ::testing::Not(Contains(change)));
 }
 
 TEST_F(Policies, RedundancyKeepsTheFirstOfEachRunAndOnePerGap) {
