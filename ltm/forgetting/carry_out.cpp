@@ -2,6 +2,7 @@
 #include "ltm/forgetting/carry_out.h"
 
 #include "ltm/forgetting/plan_forgetting.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/store/night_lock.h"
 
 namespace engram::ltm {
@@ -26,6 +27,21 @@ struct Round {
   [[nodiscard]] bool is_cancelled() const { return rewritten.is_cancelled || faded.is_cancelled; }
 };
 
+/// Forgets what a plan takes. What staying snapshots are worth stays as it was, for the next round
+/// and the next run; but erasing leaves nothing that was calculated beside what is erased.
+Result<RewriteReport> forget(const std::filesystem::path& store, const ForgetPlan& plan,
+                             const ForgetTools& tools, const ProgressSink& progress,
+                             const std::stop_token& stop) {
+  KeptSaliency saliency;
+  if (!tools.code_anew) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
+    saliency = KeptSaliency::read(*reader);
+  }
+  auto rewritten = forget_snapshots(store, plan.to_set(), progress, stop);
+  if (rewritten.ok()) ENGRAM_RETURN_IF_ERROR(saliency.restore(store));
+  return rewritten;
+}
+
 Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPlan& plan,
                               const ForgetTools& tools, const ProgressSink& progress,
                               const std::stop_token& stop) {
@@ -40,8 +56,7 @@ Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPl
     round.erased = *std::move(coded);
   }
   if (plan.snapshots() > 0) {
-    ENGRAM_ASSIGN_OR_RETURN(round.rewritten,
-                            forget_snapshots(store, plan.to_set(), progress, stop));
+    ENGRAM_ASSIGN_OR_RETURN(round.rewritten, forget(store, plan, tools, progress, stop));
   }
   if (plan.fading() == 0 || round.rewritten.is_cancelled) return round;
   if (!tools.fade)
@@ -52,6 +67,10 @@ Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPl
 
 Status finish_erasure(const std::filesystem::path& store, ErasureReport& report) {
   ENGRAM_ASSIGN_OR_RETURN(report.files, remove_side_files(store, report.entities));
+  std::set<MemoryId> erased;
+  for (const auto& [entity, one] : report.entities)
+    if (one.erased > 0) erased.insert(entity);
+  if (!erased.empty()) ENGRAM_RETURN_IF_ERROR(remove_saliency_of(store, erased));
   return write_erasure_report(store, system_now(), report);
 }
 

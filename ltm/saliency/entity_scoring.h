@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+// Private to this room: reads the snapshots of an entity and calculates their parts.
+
 #include <functional>
 #include <memory>
 #include <optional>

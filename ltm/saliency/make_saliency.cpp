@@ -9,6 +9,7 @@
 #include "ltm/recall/access_log.h"
 #include "ltm/saliency/entity_scoring.h"
 #include "ltm/saliency/learn_weights.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/saliency/saliency_table.h"
 #include "ltm/store/segment_index.h"
 
@@ -16,74 +17,7 @@ namespace engram::ltm {
 
 namespace {
 
-/// What is calculated before it is written. Unit: snapshots.
-constexpr size_t kMaxPending = 2'000'000;
 constexpr uint64_t kProgressStep = 1024;
-
-/// Parts that are not written yet, by segment and entity.
-class PendingSaliency {
- public:
-  explicit PendingSaliency(StoreReader& store) : store_(store) {}
-
-  void add(const MemoryId& entity, const SnapshotEntry& entry, const StoredParts& parts) {
-    const auto segment = segment_of_code(entry);
-    if (!segment) return;
-    EntitySaliency& one = by_segment_[*segment][entity];
-    one.entity = entity;
-    one.times.push_back(entry.time);
-    one.parts.push_back(parts);
-    ++count_;
-  }
-
-  [[nodiscard]] bool is_full() const { return count_ >= kMaxPending; }
-
-  /// What is there of a snapshot that was not calculated anew stays.
-  Status write() {
-    for (auto& [segment, entities] : by_segment_) {
-      const Status stored = edit_segment_index(
-          store_.path(), store_.manifest().segments[segment], kSaliencyIndex,
-          [&entities](std::span<const std::byte> there) { return merged(there, entities); });
-      // It was replaced meanwhile, and the next job looks at what replaced it.
-      if (!stored.ok() && stored.code() != StatusCode::kNotFound) return stored;
-    }
-    by_segment_.clear();
-    count_ = 0;
-    return {};
-  }
-
- private:
-  static std::vector<std::byte> merged(std::span<const std::byte> there,
-                                       std::map<MemoryId, EntitySaliency>& entities) {
-    SegmentSaliency all;
-    if (auto known = unpack_saliency(there); known.ok()) all = *std::move(known);
-    for (EntitySaliency& old : all) {
-      const auto added = entities.find(old.entity);
-      if (added == entities.end()) continue;
-      EntitySaliency both{old.entity, {}, {}};
-      size_t i = 0;
-      for (size_t j = 0; j < added->second.times.size(); ++j) {
-        for (; i < old.times.size() && old.times[i] < added->second.times[j]; ++i)
-          append(both, old, i);
-        if (i < old.times.size() && old.times[i] == added->second.times[j]) ++i;
-        append(both, added->second, j);
-      }
-      for (; i < old.times.size(); ++i) append(both, old, i);
-      old = std::move(both);
-      entities.erase(added);
-    }
-    for (auto& [entity, one] : entities) all.push_back(std::move(one));
-    return pack_saliency(all);
-  }
-
-  static void append(EntitySaliency& to, const EntitySaliency& from, size_t row) {
-    to.times.push_back(from.times[row]);
-    to.parts.push_back(from.parts[row]);
-  }
-
-  StoreReader& store_;
-  std::map<uint32_t, std::map<MemoryId, EntitySaliency>> by_segment_;
-  size_t count_ = 0;
-};
 
 /// What segments already have of an entity.
 struct KnownSaliency {
@@ -224,16 +158,6 @@ Result<SaliencyWeights> learn_from_reads(StoreReader& store) {
 }
 
 }  // namespace
-
-Result<std::vector<SnapshotEntry>> entries_of(StoreReader& store, const MemoryId& entity) {
-  std::vector<SnapshotEntry> entries;
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store.timeline(entity));
-  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&entries](const SnapshotEntry& entry) {
-    entries.push_back(entry);
-    return Status();
-  }));
-  return entries;
-}
 
 std::vector<MemoryId> entities_beside(StoreReader& store, const MemoryId& entity) {
   std::vector<MemoryId> found;

@@ -38,10 +38,6 @@ Result<SaliencyReport> make_saliency(const std::filesystem::path& store, const M
                                      const SaliencyOptions& options, const ProgressSink& progress,
                                      const std::stop_token& stop);
 
-/// All snapshots of an entity in the order of time.
-/// Errors: those of Timeline::for_each.
-Result<std::vector<SnapshotEntry>> entries_of(StoreReader& store, const MemoryId& entity);
-
 /// The entities of the provider segment of `entity`.
 [[nodiscard]] std::vector<MemoryId> entities_beside(StoreReader& store, const MemoryId& entity);
 

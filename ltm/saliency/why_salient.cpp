@@ -6,6 +6,7 @@
 #include "ltm/recall/access_log.h"
 #include "ltm/saliency/entity_scoring.h"
 #include "ltm/saliency/make_saliency.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/saliency/saliency_table.h"
 #include "ltm/saliency/surprise_meter.h"
 

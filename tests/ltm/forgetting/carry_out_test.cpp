@@ -7,6 +7,8 @@
 
 #include <thread>
 
+#include "ltm/saliency/make_saliency.h"
+#include "ltm/saliency/saliency_table.h"
 #include "ltm/store/publish.h"
 #include "tests/ltm/forgetting/forget_fixture.h"
 
@@ -63,6 +65,37 @@ class CarryOut : public ForgetFixture {
               noisy("cam", 3 * s + 2, bytes)});
   }
 };
+
+TEST_F(CarryOut, QuotasGoOnBySaliencyWhereTheyEnded) {
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 200; ++i) {
+    snapshots.push_back(noisy("cam", i, 1500));
+    const double x = i < 50 ? 1 : i < 120 ? 4 : 9;
+    snapshots.back().instances.front().data.get_if<idf::Dict>()->set("x", x);
+  }
+  append(snapshots);
+  ASSERT_OK(make_saliency(store_, {}, {}, {}, {}));
+  ForgetOptions options;
+  options.protection.newest = 0;
+  options.first.emplace_back().saliency = SaliencyPolicy::Options{};
+  const uint64_t before = *directory_bytes(store_);
+  uint64_t gone = 0;
+  for (const uint64_t part : {2, 4}) {
+    options.max_bytes = before / part;
+    const auto first = plan(options);
+    ASSERT_OK(first);
+    const auto report = carry_out(store_, *first, again(options, *first));
+    ASSERT_OK(report);
+    EXPECT_GT(report->rewritten.snapshots, 20u);
+    EXPECT_LE(report->bytes_after, *options.max_bytes);
+    gone += report->rewritten.snapshots;
+  }
+  const auto reader = *StoreReader::open(store_);
+  const SaliencyTable left = SaliencyTable::read(*reader, accesses_);
+  EXPECT_EQ(left.size(), 200 - gone);
+  for (const int64_t change : {0, 50, 120})
+    EXPECT_TRUE(left.find(example_entity(), second(change))) << change;
+}
 
 TEST_F(CarryOut, AQuotaLeavesAsMuchAsItAllows) {
   // Everything in one segment, as a night leaves it, and a part of the file that does not shrink.

@@ -3,6 +3,7 @@
 
 #include "ltm/core/file.h"
 #include "ltm/recall/access_log.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/saliency/saliency_table.h"
 #include "ltm/saliency/why_salient.h"
 #include "ltm/store/rewrite.h"
@@ -143,6 +144,32 @@ TEST_F(MakeSaliencyTest, GoesWithWhatIsForgottenAndDamageIsNoLoss) {
   EXPECT_EQ(table().size(), 0u);
   ASSERT_OK(make());
   EXPECT_EQ(table().size(), 106u);
+}
+
+TEST_F(MakeSaliencyTest, WhatStaysKeepsItsWorthWhenOthersGo) {
+  ASSERT_OK(make());
+  const SaliencyTable before = table();
+  const KeptSaliency kept = KeptSaliency::read(**StoreReader::open(store_));
+  ForgetSet gone;
+  for (int64_t i = 90; i < 110; ++i) gone[cup_entity()].insert(example_time(i));
+  ASSERT_OK(forget_snapshots(store_, gone));
+  EXPECT_EQ(table().size(), 0u);
+  ASSERT_OK(kept.restore(store_));
+  const SaliencyTable after = table();
+  EXPECT_EQ(after.size(), 186u);
+  for (const int64_t i : {0, 89, 110, 119, 199})
+    EXPECT_EQ(after.find(cup_entity(), example_time(i)),
+              before.find(cup_entity(), example_time(i)));
+  EXPECT_FALSE(after.find(cup_entity(), example_time(100)));
+  EXPECT_EQ(make()->snapshots, 0u);
+}
+
+TEST_F(MakeSaliencyTest, OfErasedEntitiesNothingCalculatedIsLeft) {
+  ASSERT_OK(make());
+  ASSERT_OK(remove_saliency_of(store_, {cup_entity()}));
+  EXPECT_EQ(table().size(), 6u);
+  EXPECT_TRUE(table().find(words_entity(), example_time(35)));
+  EXPECT_EQ(make()->snapshots, 200u);
 }
 
 TEST_F(MakeSaliencyTest, WhatWasReadIsWorthMore) {
