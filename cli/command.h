@@ -31,6 +31,7 @@ void add_augment_command(CLI::App& app, ExitCode& exit_code);
 void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_similar_command(CLI::App& app, ExitCode& exit_code);
+void add_why_salient_command(CLI::App& app, ExitCode& exit_code);
 void add_models_command(CLI::App& app, ExitCode& exit_code);
 void add_crossval_command(CLI::App& app, ExitCode& exit_code);
 void add_ls_command(CLI::App& app, ExitCode& exit_code);

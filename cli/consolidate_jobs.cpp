@@ -43,19 +43,30 @@ std::vector<std::string> child_arguments(const std::vector<ltm::MemoryId>& entit
   return all;
 }
 
+/// Each part counts its own entities; weights are learned from all reads by each.
+void add_saliency(const Json& part, Json& all) {
+  const Json own = part.is_object() ? part.value("saliency", Json::object()) : Json::object();
+  for (const char* sum : {"entities", "snapshots"})
+    all[sum] = all.value(sum, uint64_t{0}) + own.value(sum, uint64_t{0});
+  all["learned_from"] =
+      std::max(all.value("learned_from", uint64_t{0}), own.value("learned_from", uint64_t{0}));
+}
+
 /// Joins the reports of all parts, with entities in the order of the plan.
 Json united_report(const training::ConsolidatePlan& plan,
                    const std::vector<ChildProcess>& children) {
   Json all{{"plan", reports::plan_json(plan)},
            {"entities", Json::array()},
            {"dropped", Json::array()},
-           {"codes", Json::array()}};
+           {"codes", Json::array()},
+           {"saliency", {{"entities", 0}, {"snapshots", 0}, {"learned_from", 0}}}};
   for (const ChildProcess& child : children) {
     const Json part = Json::parse(child.output, nullptr, false);
     for (const char* list : {"entities", "dropped", "codes"}) {
       if (!part.is_object() || !part.contains(list)) continue;
       for (const Json& one : part.at(list)) all[list].push_back(one);
     }
+    add_saliency(part, all["saliency"]);
   }
   const auto place_of = [&](const Json& one) {
     const auto is_it = [&](const auto& entity) {

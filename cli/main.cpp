@@ -101,6 +101,7 @@ struct Program {
     add_ls_command(app, exit_code);
     add_query_command(app, exit_code);
     add_similar_command(app, exit_code);
+    add_why_salient_command(app, exit_code);
     add_reflect_command(app, exit_code);
     add_export_command(app, exit_code);
     if (learning != nullptr) learning->add_eval_command(app, exit_code);

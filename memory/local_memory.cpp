@@ -6,6 +6,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/likeness/store_likeness.h"
 #include "ltm/recording/recording_config.h"
+#include "ltm/saliency/why_salient.h"
 #include "memory/live/local_subscription.h"
 #include "memory/live/memory_service.h"
 #include "memory/memory.h"
@@ -40,6 +41,7 @@ class ReadMemory final : public Memory {
   ReadMemory(std::unique_ptr<ltm::StorePast> past, std::unique_ptr<ltm::AccessLog> accesses,
              const ltm::Recall::Options& options)
       : name_(past->name()),
+        path_(past->store().path()),
         likeness_(past->store().path(), model_loader()),
         recall_(std::in_place, std::move(past), std::move(accesses)),
         options_(options) {}
@@ -94,6 +96,16 @@ class ReadMemory final : public Memory {
     return likeness_.similar(request);
   }
 
+  using Memory::why_salient;
+  Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity,
+                                         std::optional<Time> time) override {
+    {
+      const MutexLock lock(mutex_);
+      if (!recall_) return is_closed();
+    }
+    return ltm::why_salient(path_, model_loader(), entity, time);
+  }
+
   Status close() override {
     const MutexLock lock(mutex_);
     recall_.reset();
@@ -123,6 +135,7 @@ class ReadMemory final : public Memory {
   [[nodiscard]] Status is_closed() const { return failed_precondition("{}: is closed", name_); }
 
   const std::string name_;
+  const std::filesystem::path path_;
   ltm::StoreLikeness likeness_;
   Mutex mutex_;
   std::optional<ltm::Recall> recall_ ENGRAM_GUARDED_BY(mutex_);
@@ -178,6 +191,13 @@ class WrittenMemory final : public Memory {
   Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
     return service_->similar(request);
+  }
+
+  using Memory::why_salient;
+  Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity,
+                                         std::optional<Time> time) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
+    return ltm::why_salient(service_->options().store->store, model_loader(), entity, time);
   }
 
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,

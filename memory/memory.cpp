@@ -14,6 +14,13 @@ Status Memory::query_parts(const ltm::Query& query, const PartVisit& visit,
   return visit(std::move(whole));
 }
 
+Result<ltm::SalientMoment> Memory::why_salient(const ltm::MemoryId& entity,
+                                               std::optional<Time> /*time*/) {
+  return failed_precondition(
+      "entity '{}': servers do not explain saliency; open the store of this memory instead",
+      entity.to_string());
+}
+
 Result<std::vector<ltm::SnapshotResult>> Memory::predict(const ltm::MemoryId& entity,
                                                          std::span<const Duration> horizons,
                                                          const std::string& engine) {

@@ -17,6 +17,7 @@
 #include "ltm/memory/query.h"
 #include "ltm/memory/result.h"
 #include "ltm/prediction/engine_choice.h"
+#include "ltm/saliency/salient_moment.h"
 #include "memory/live/subscription.h"
 
 namespace engram {
@@ -182,6 +183,16 @@ class Memory {
   /// other entities are asked of a server; kUnavailable also if it took longer than the timeout:
   /// what was coded until then is kept, so asking again goes on.
   virtual Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) = 0;
+
+  /// Explains what the snapshot of an entity at `time` is worth; without a time, its last one. What
+  /// is in the store is explained, journals included.
+  /// Errors: those of ltm::why_salient; kFailedPrecondition if this memory is in a server, which
+  /// does not answer this.
+  virtual Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity,
+                                                 std::optional<Time> time);
+  Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity) {
+    return why_salient(entity, {});
+  }
 
   /// Subscribes to the commits from now on, those of this program included. Returns once the
   /// subscription is in place.

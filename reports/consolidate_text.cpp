@@ -165,13 +165,16 @@ void print_report(const training::ConsolidateReport& report) {
   }
   for (const ltm::EntityCoding& coding : report.codes) {
     if (coding.coded == 0 && coding.left == 0) continue;
-    print(fmt::format("{}: {} images coded to be found by likeness (space {}{}){}",
-                      coding.entity.printable(), count_text(coding.coded), coding.space,
-                      coding.is_learned ? ", learned anew" : "",
-                      coding.left > 0 ? fmt::format("; {} wait for the next job: the time was over",
-                                                    count_text(coding.left))
-                                      : ""));
+    print(fmt::format(
+        "{}: {} images coded to be found by likeness (space {}{}){}", coding.entity.printable(),
+        count_text(coding.coded), coding.space, coding.is_learned ? ", learned anew" : "",
+        coding.left > 0
+            ? fmt::format("; {} wait for the next job: the time was over", count_text(coding.left))
+            : ""));
   }
+  if (report.saliency.snapshots > 0)
+    print(fmt::format("saliency of {} snapshots of {} entities calculated",
+                      count_text(report.saliency.snapshots), count_text(report.saliency.entities)));
 }
 
 void print_dropped(const std::vector<DroppedRaw>& dropped) {
@@ -207,7 +210,11 @@ Json report_json(const training::ConsolidatePlan& plan, const training::Consolid
   return {{"plan", plan_json(plan)},
           {"entities", std::move(entities)},
           {"dropped", std::move(drops)},
-          {"codes", std::move(codes)}};
+          {"codes", std::move(codes)},
+          {"saliency",
+           {{"entities", report.saliency.entities},
+            {"snapshots", report.saliency.snapshots},
+            {"learned_from", report.saliency.weights.learned_from}}}};
 }
 
 }  // namespace engram::reports

@@ -94,6 +94,7 @@ PYBIND11_MODULE(_core, module) {
       .def("query", &OpenStore::query)
       .def("predict", &OpenStore::predict)
       .def("engines", &OpenStore::engines)
+      .def("why_salient", &OpenStore::why_salient)
       .def("models", &OpenStore::models)
       .def("stored_snapshots", &OpenStore::stored_snapshots)
       .def("latents", &OpenStore::latents)

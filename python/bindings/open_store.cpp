@@ -8,6 +8,7 @@
 
 #include "encoders/load_model.h"
 #include "ltm/prediction/entity_predictor.h"
+#include "ltm/saliency/why_salient.h"
 #include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
@@ -229,6 +230,34 @@ py::dict OpenStore::similar(const SimilarArguments& asked) {
         }
         return likeness_->find(request);
       }));
+}
+
+py::dict OpenStore::why_salient(const std::string& entity, std::optional<int64_t> moment) {
+  const ltm::MemoryId id = value_or_raise(entity_of(entity));
+  std::optional<Time> time;
+  if (moment) time = time_from_ns(*moment);
+  const auto told = with_recall(
+      [&](ltm::Recall&) { return ltm::why_salient(path_, encoders::load_model, id, time); });
+  py::list parts;
+  for (const ltm::SalientPart& one : told.parts) {
+    py::dict part;
+    part["part"] = std::string(ltm::name_of(one.part));
+    part["value"] = one.value;
+    part["weight"] = one.weight;
+    part["contribution"] = one.contribution;
+    part["found"] = one.found;
+    part["expected"] = one.expected;
+    parts.append(std::move(part));
+  }
+  py::dict found;
+  found["time"] = to_ns(told.time);
+  found["saliency"] = told.saliency;
+  found["rank"] = told.rank;
+  found["count"] = told.count;
+  found["is_stored"] = told.is_stored;
+  found["learned_from"] = told.learned_from;
+  found["parts"] = std::move(parts);
+  return found;
 }
 
 py::list OpenStore::models() {

@@ -65,6 +65,11 @@ class OpenStore {
   /// The moments of an entity that are like another one.
   pybind11::dict similar(const SimilarArguments& asked);
 
+  /// Why the snapshot of an entity at `moment` (ns; None: its last one) is salient: a dict with
+  /// "time", "saliency", "rank", "count", "is_stored", "learned_from" and "parts", dicts with
+  /// "part", "value", "weight", "contribution", "found" and "expected".
+  pybind11::dict why_salient(const std::string& entity, std::optional<int64_t> moment);
+
   /// The models, older ones first: dicts with "entity", "version", "file", "bytes".
   pybind11::list models();
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
     from engram.recording import Recorder, Update, record
+    from engram.saliency import Salient, SalientPart
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
     from engram.watching import Event, Watch
 
@@ -54,6 +55,8 @@ _PLACES = {
     "Prediction": "engram.model",
     "Progress": "engram.progress",
     "Recorder": "engram.recording",
+    "Salient": "engram.saliency",
+    "SalientPart": "engram.saliency",
     "Similar": "engram.likeness",
     "SimilarMoment": "engram.likeness",
     "Snapshot": "engram.snapshot",
@@ -83,6 +86,8 @@ __all__ = [
     "Prediction",
     "Progress",
     "Recorder",
+    "Salient",
+    "SalientPart",
     "Similar",
     "SimilarMoment",
     "Snapshot",

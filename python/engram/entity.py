@@ -14,6 +14,7 @@ from engram.doors import Door
 from engram.errors import InvalidArgumentError, NotFoundError
 from engram.frame import frame_of
 from engram.likeness import Similar, similar_of
+from engram.saliency import Salient, salient_of
 from engram.model import Latents, Model, latents_of
 from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
 from engram.times import DurationLike, TimeLike, duration_ns, to_datetime64, to_ns
@@ -168,6 +169,16 @@ class Entity:
             dict(beside or {}),
         )
         return similar_of(self.name, found)
+
+    def why_salient(self, time: TimeLike | None = None) -> Salient:
+        """What the snapshot at `time` (None: the last one) is worth, and why.
+
+        What is explained is in files: of a live memory, what has left its working memory.
+        Raises NotFoundError where there is no such snapshot, FailedPreconditionError where it is
+        damaged, and of a memory in a server. Source: docs/saliency.md.
+        """
+        moment = None if time is None else to_ns(time)
+        return salient_of(self.name, self._door.files().why_salient(self.name, moment))
 
     def window(self, time: TimeLike, offsets: Sequence[DurationLike]) -> list[Snapshot]:
         """What was closest to each of `time` + offset (seconds); predictions of the future."""

@@ -230,6 +230,24 @@ TEST_P(FrontDoor, AnswersByPlaceAndContext) {
                StatusCode::kFailedPrecondition, "no place in frame 'map'");
 }
 
+TEST_P(FrontDoor, ExplainsWhatASnapshotIsWorthWhereItHasTheStore) {
+  for (int64_t step = 0; step < 30; ++step)
+    ASSERT_OK(memory->commit(at(step, step < 20 ? 0.0 : 5.0)));
+  const auto moved = memory->why_salient(kCup, at(20, 0).updates[0].time);
+  if (GetParam() != Door::kOpened) {
+    EXPECT_FAILS(moved, StatusCode::kFailedPrecondition, "servers do not explain saliency");
+    return;
+  }
+  ASSERT_OK(moved);
+  EXPECT_EQ(moved->rank, 2u);  // After the first one.
+  EXPECT_EQ(moved->count, 30u);
+  EXPECT_FALSE(moved->is_stored);
+  const auto last = memory->why_salient(kCup);
+  ASSERT_OK(last);
+  EXPECT_EQ(last->time, at(29, 0).updates[0].time);
+  EXPECT_LT(last->saliency, moved->saliency);
+}
+
 TEST_P(FrontDoor, PredictsFromAnEarlierMoment) {
   for (int64_t step = 0; step < 30; ++step)
     ASSERT_OK(memory->commit(at(step, step < 20 ? 0.1 * static_cast<double>(step) : 50.0)));

@@ -208,12 +208,11 @@ Result<EntityReport> consolidate_job(const std::filesystem::path& store, const E
   return done;
 }
 
-/// Codes the images of the entities of a job, so that moments like others are found. It comes last,
-/// because codes of latents stay when the recorded form goes.
-Result<std::vector<ltm::EntityCoding>> code_images(const std::filesystem::path& store,
-                                                   const Jobs& jobs,
-                                                   const ConsolidateOptions& options,
-                                                   JobPace& pace) {
+/// Codes the images of the entities of a job, so that moments like others are found, and then
+/// calculates what all their snapshots are worth, for which codes are needed. Both come last,
+/// because what belongs to latents stays when the recorded form goes.
+Status look_back(const std::filesystem::path& store, const Jobs& jobs,
+                 const ConsolidateOptions& options, JobPace& pace, ConsolidateReport& report) {
   std::set<ltm::MemoryId> entities;
   for (const EntityJob& job : jobs.entities) entities.insert(job.work.entity);
   ltm::CodesOptions codes;
@@ -221,7 +220,12 @@ Result<std::vector<ltm::EntityCoding>> code_images(const std::filesystem::path& 
   codes.is_over = [&options, &pace] {
     return (options.job.until && system_now() >= *options.job.until) || !pace.pause().ok();
   };
-  return ltm::make_codes(store, encoders::load_model, codes, pace.progress(), pace.stop());
+  ENGRAM_ASSIGN_OR_RETURN(report.codes, ltm::make_codes(store, encoders::load_model, codes,
+                                                        pace.progress(), pace.stop()));
+  ENGRAM_ASSIGN_OR_RETURN(report.saliency, ltm::make_saliency(store, encoders::load_model,
+                                                              {codes.matches, codes.is_over},
+                                                              pace.progress(), pace.stop()));
+  return {};
 }
 
 /// What the night published has no index of places and links yet. Questions are answered without
@@ -281,7 +285,7 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
     one.expected_encoding_seconds = job.encoding.seconds;
     one.costs = *job.costs;
   }
-  ENGRAM_ASSIGN_OR_RETURN(report.codes, code_images(store, jobs, options, pace));
+  ENGRAM_RETURN_IF_ERROR(look_back(store, jobs, options, pace, report));
   index_places(store, options, pace);
   return report;
 }

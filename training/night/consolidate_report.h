@@ -9,6 +9,7 @@
 #include "encoders/provenance.h"
 #include "ltm/likeness/make_codes.h"
 #include "ltm/memory/memory_id.h"
+#include "ltm/saliency/make_saliency.h"
 #include "training/fit/train_report.h"
 #include "training/night/entity_costs.h"
 
@@ -48,6 +49,7 @@ struct ConsolidateReport {
   std::vector<EntityReport> entities;  ///< Sorted by name.
   /// Of the entities with images: what was done so that moments like others are found.
   std::vector<ltm::EntityCoding> codes;
+  ltm::SaliencyReport saliency;
 };
 
 }  // namespace engram::training
