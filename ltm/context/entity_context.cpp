@@ -39,6 +39,13 @@ size_t EntityContext::held_bytes() const {
          bytes_of(spans.ended) + bytes_of(frames) + bytes_of(intrinsics) + bytes_of(targets);
 }
 
+MemoryId EntityContext::link(size_t row) const {
+  MemoryId id = targets[links.target[row]];
+  if (links.time[row] == Links::kNoTime) return id;
+  id = id.at(time_from_ns(links.time[row]));
+  return links.index[row] < 0 ? id : id.instance(links.index[row]);
+}
+
 std::optional<uint32_t> EntityContext::find(Time time) const {
   const auto found = std::ranges::lower_bound(times, time);
   if (found == times.end() || *found != time) return std::nullopt;

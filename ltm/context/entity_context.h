@@ -84,6 +84,9 @@ struct EntityContext {
   std::vector<Intrinsics> intrinsics;  ///< Of cameras whose own values have them.
   std::vector<MemoryId> targets;       ///< Entities.
 
+  /// What a row of the links leads to: an entity, a snapshot or an instance.
+  [[nodiscard]] MemoryId link(size_t row) const;
+
   [[nodiscard]] bool is_empty() const {
     return places.size() + cameras.size() + links.size() + spans.size() == 0;
   }

@@ -213,12 +213,7 @@ class Looking {
         std::tuple(camera_.links.target[link], camera_.links.time[link], camera_.links.index[link]);
     auto known = calibrations_.find(key);
     if (known == calibrations_.end()) {
-      MemoryId id = camera_.targets[camera_.links.target[link]];
-      if (camera_.links.time[link] != EntityContext::Links::kNoTime)
-        id = id.at(time_from_ns(camera_.links.time[link]));
-      if (id.time() && camera_.links.index[link] != EntityContext::Links::kNoInstance)
-        id = id.instance(camera_.links.index[link]);
-      ENGRAM_ASSIGN_OR_RETURN(const auto read, contexts_.intrinsics(id));
+      ENGRAM_ASSIGN_OR_RETURN(const auto read, contexts_.intrinsics(camera_.link(link)));
       known = calibrations_.emplace(key, read).first;
     }
     return known->second ? &*known->second : nullptr;

@@ -248,6 +248,14 @@ struct PrintingCondition {
 
 }  // namespace
 
+std::optional<MemoryId> entity_of(const Condition& condition) {
+  if (const auto* within = std::get_if<where::Within>(&condition.kind)) return within->entity;
+  if (const auto* view = std::get_if<where::InView>(&condition.kind)) return view->entity;
+  if (const auto* during = std::get_if<where::While>(&condition.kind)) return during->entity;
+  if (const auto* from = std::get_if<where::LinksFrom>(&condition.kind)) return from->id.entity();
+  return std::nullopt;
+}
+
 Status validate(const Condition& condition) {
   return std::visit(ValidatingCondition{}, condition.kind);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -70,6 +71,10 @@ struct Condition {
 
   friend bool operator==(const Condition&, const Condition&) = default;
 };
+
+/// The entity that a condition names beside the one that is asked; nothing if it needs to know of
+/// no other one.
+[[nodiscard]] std::optional<MemoryId> entity_of(const Condition& condition);
 
 /// Checks the values of a condition.
 /// Errors: kInvalidArgument if a distance is negative or not finite, if an ID names no entity, or

@@ -79,6 +79,15 @@ void collect_snapshots(const std::vector<NameQuery<Below>>& level,
   }
 }
 
+template <typename Visit>
+void for_each_selector(const std::vector<MemoryQuery>& memories, const Visit& visit) {
+  for (const auto& memory : memories)
+    for (const auto& core : memory.below)
+      for (const auto& provider : core.below)
+        for (const auto& entity : provider.below)
+          for (const SnapshotQuery& snapshots : entity.below) visit(snapshots);
+}
+
 }  // namespace
 
 QueryPath path_of(const MemoryId& entity) {
@@ -169,13 +178,22 @@ bool Query::matches(const MemoryId& id) const {
 }
 
 bool Query::has_conditions() const {
-  for (const auto& memory : memories_)
-    for (const auto& core : memory.below)
-      for (const auto& provider : core.below)
-        for (const auto& entity : provider.below)
-          for (const SnapshotQuery& snapshots : entity.below)
-            if (!snapshots.conditions.empty()) return true;
-  return false;
+  bool has = false;
+  for_each_selector(memories_, [&has](const SnapshotQuery& snapshots) {
+    has = has || !snapshots.conditions.empty();
+  });
+  return has;
+}
+
+std::vector<MemoryId> Query::condition_entities() const {
+  std::vector<MemoryId> entities;
+  for_each_selector(memories_, [&entities](const SnapshotQuery& snapshots) {
+    for (const Condition& condition : snapshots.conditions)
+      if (auto entity = entity_of(condition)) entities.push_back(*std::move(entity));
+  });
+  std::ranges::sort(entities);
+  entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
+  return entities;
 }
 
 std::vector<SnapshotQuery> Query::snapshots_of(const MemoryId& entity) const {

@@ -114,6 +114,10 @@ class Query {
   /// Whether any of its selectors has conditions.
   [[nodiscard]] bool has_conditions() const;
 
+  /// The entities that its conditions name, sorted and without duplicates, for who has to know
+  /// their places and context elsewhere.
+  [[nodiscard]] std::vector<MemoryId> condition_entities() const;
+
   /// A text that parse reads back to the same tree.
   [[nodiscard]] std::string to_string() const;
 

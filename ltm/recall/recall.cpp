@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "ltm/idf/binary.h"
-#include "ltm/recall/list_moments.h"
 #include "ltm/recall/seen_past.h"
 
 namespace engram::ltm {
@@ -174,7 +173,7 @@ struct Recall::State {
     if (!query.has_conditions()) return {};
     return list_moments(
         *past, [this, options](const MemoryId& entity) { return seen(entity, options); }, id,
-        query.named_entities().has_value());
+        query.named_entities().has_value(), options.others);
   }
 
   /// Nothing if the view sees nothing of the entity.
@@ -281,6 +280,16 @@ Recall::~Recall() = default;
 StoreReader& Recall::store() {
   ENGRAM_CHECK(state_->store != nullptr, "{} is more than a store", state_->past->name());
   return state_->store->store();
+}
+
+Result<SharedContext> Recall::context(const MemoryId& entity, const SharedView& view) {
+  ENGRAM_RETURN_IF_ERROR(state_->past->follow());
+  Options options;
+  options.view = view;
+  return retried(*state_->past, [&] {
+    return context_for_others(
+        *state_->past, [&](const MemoryId& id) { return state_->seen(id, options); }, entity);
+  });
 }
 
 ListMoments Recall::listed(const MemoryId& entity, bool is_named) {

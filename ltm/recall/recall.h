@@ -9,6 +9,7 @@
 #include "ltm/prediction/entity_predictor.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/recall/answer.h"
+#include "ltm/recall/list_moments.h"
 #include "ltm/recall/recall_predictor.h"
 #include "ltm/recall/store_past.h"
 
@@ -39,6 +40,8 @@ class Recall {
     /// What may be seen by who asks; null: everything. Predictions that may not be seen are left
     /// out of answers to queries.
     SharedView view{};
+    /// Places and context of entities that this past does not have, for conditions that name them.
+    std::shared_ptr<const OtherContexts> others{};
   };
 
   /// If `accesses` is given, it notes each past snapshot whose data an answer has and that was not
@@ -82,6 +85,10 @@ class Recall {
   /// himself. `is_named`: the query names the entity letter by letter. Valid as long as this
   /// object.
   [[nodiscard]] ListMoments listed(const MemoryId& entity, bool is_named);
+
+  /// The context of an entity as a view sees it, for who asks another memory. Null if there is no
+  /// such entity, or if nothing of it is seen. Errors: those of query().
+  Result<SharedContext> context(const MemoryId& entity, const SharedView& view);
 
   /// Drops everything that was read or learned for earlier questions: decoded snapshots, models,
   /// and what engines learned. Call it after something was forgotten, so that no answer tells of

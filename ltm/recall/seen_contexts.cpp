@@ -62,6 +62,8 @@ Result<std::shared_ptr<const EntityContext>> SeenContexts::of(const MemoryId& en
   ENGRAM_ASSIGN_OR_RETURN(const auto past, seen_(entity));
   if (past) {
     ENGRAM_ASSIGN_OR_RETURN(context, past->context(past_.type_of(entity)));
+  } else if (others_) {
+    if (const auto other = others_->find(entity); other != others_->end()) context = other->second;
   }
   contexts_[entity] = context;
   return context;
@@ -85,9 +87,33 @@ Result<std::optional<Intrinsics>> SeenContexts::intrinsics(const MemoryId& link)
   return std::optional<Intrinsics>();
 }
 
-ListMoments list_moments(KnownPast& past, SeenPastOf seen, const MemoryId& entity, bool is_named) {
-  return [&past, seen = std::move(seen), entity, is_named](std::span<const Condition> conditions) {
-    SeenContexts contexts(past, seen);
+Result<SharedContext> context_for_others(KnownPast& past, const SeenPastOf& seen,
+                                         const MemoryId& entity) {
+  SeenContexts contexts(past, seen);
+  ENGRAM_ASSIGN_OR_RETURN(const SharedContext known, contexts.of(entity));
+  if (!known || known->cameras.size() == 0) return known;
+  EntityContext context = *known;
+  std::map<MemoryId, std::optional<Intrinsics>> read;
+  for (int32_t& calibration : context.cameras.calibration) {
+    if (calibration < 0) continue;
+    const MemoryId link = context.link(static_cast<size_t>(calibration));
+    auto found = read.find(link);
+    if (found == read.end()) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto intrinsics, contexts.intrinsics(link));
+      found = read.emplace(link, intrinsics).first;
+    }
+    // A camera of no size sees nothing, as one without intrinsics.
+    const Intrinsics own = found->second.value_or(Intrinsics{});
+    calibration = -1 - static_cast<int32_t>(index_in(context.intrinsics, own));
+  }
+  return SharedContext(std::make_shared<const EntityContext>(std::move(context)));
+}
+
+ListMoments list_moments(KnownPast& past, SeenPastOf seen, const MemoryId& entity, bool is_named,
+                         std::shared_ptr<const OtherContexts> others) {
+  return [&past, seen = std::move(seen), entity, is_named,
+          others = std::move(others)](std::span<const Condition> conditions) {
+    SeenContexts contexts(past, seen, others);
     return moments_meeting(entity, conditions, is_named, contexts);
   };
 }

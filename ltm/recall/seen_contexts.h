@@ -18,7 +18,8 @@ namespace engram::ltm {
 /// lives for one question.
 class SeenContexts final : public KnownContexts {
  public:
-  SeenContexts(KnownPast& past, SeenPastOf seen) : past_(past), seen_(std::move(seen)) {}
+  SeenContexts(KnownPast& past, SeenPastOf seen, std::shared_ptr<const OtherContexts> others = {})
+      : past_(past), seen_(std::move(seen)), others_(std::move(others)) {}
 
   Result<std::shared_ptr<const EntityContext>> of(const MemoryId& entity) override;
   Result<std::optional<Intrinsics>> intrinsics(const MemoryId& link) override;
@@ -31,6 +32,7 @@ class SeenContexts final : public KnownContexts {
 
   KnownPast& past_;
   const SeenPastOf seen_;
+  const std::shared_ptr<const OtherContexts> others_;  ///< May be null.
   std::map<MemoryId, SharedContext> contexts_;
   std::map<MemoryId, std::vector<MemoryId>> depths_;  ///< By camera.
 };

@@ -109,9 +109,14 @@ class MemoryService {
   Result<ltm::Answer> query(const ltm::Query& query, const std::string& engine = {});
 
   /// The same in parts, see ltm::Recall::begin and next. Other questions are answered in between.
-  Result<ltm::Recall::AnswerCursor> begin_query(const ltm::Query& query, const std::string& engine,
-                                                ltm::SharedView view = {});
+  /// `others` are contexts of entities of other memories that conditions name.
+  Result<ltm::Recall::AnswerCursor> begin_query(
+      const ltm::Query& query, const std::string& engine, ltm::SharedView view = {},
+      std::shared_ptr<const ltm::OtherContexts> others = {});
   Result<ltm::Answer> next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes);
+
+  /// The context of an entity for who asks another memory, see ltm::Recall::context.
+  Result<ltm::SharedContext> context(const MemoryId& entity, const ltm::SharedView& view);
 
   /// Predicts from a moment on, or with a plan.
   /// Errors: those of ltm::Recall::predict.

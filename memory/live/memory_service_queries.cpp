@@ -92,17 +92,24 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
   return answer;
 }
 
-Result<ltm::Recall::AnswerCursor> MemoryService::begin_query(const ltm::Query& query,
-                                                             const std::string& engine,
-                                                             ltm::SharedView view) {
+Result<ltm::Recall::AnswerCursor> MemoryService::begin_query(
+    const ltm::Query& query, const std::string& engine, ltm::SharedView view,
+    std::shared_ptr<const ltm::OtherContexts> others) {
   State& state = *state_;
   ++state.queries;
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;
   options.engine = engine;
   options.view = std::move(view);
+  options.others = std::move(others);
   const MutexLock lock(state.recalling);
   return state.recall->begin(query, options);
+}
+
+Result<ltm::SharedContext> MemoryService::context(const MemoryId& entity,
+                                                  const ltm::SharedView& view) {
+  const MutexLock lock(state_->recalling);
+  return state_->recall->context(entity, view);
 }
 
 Result<ltm::Answer> MemoryService::next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes) {

@@ -351,15 +351,15 @@ void MemoryClient::query(const ltm::Query& query, const std::string& engine,
 }
 
 Status MemoryClient::query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
-                                 const std::string& engine) {
+                                 const std::string& engine, std::span<const SentContext> contexts) {
   const auto last_try = state_->last_try(steady_now() + state_->options.timeout);
+  const v1::QueryRequest request = to_request(query, engine, contexts);
   bool is_visited = false;
   Status refused;  // By the visitor.
   Status failed;   // After a part was visited.
   const auto noting = [&](ltm::QueryResult part) { return refused = visit(std::move(part)); };
   const Status status = retried(last_try, [&]() -> Status {
-    Status outcome =
-        state_->ask_in_parts(to_request(query, engine), query.is_ids_only(), noting, is_visited);
+    Status outcome = state_->ask_in_parts(request, query.is_ids_only(), noting, is_visited);
     if (!is_visited) return outcome;
     // What was visited cannot be taken back, so this is not tried again.
     failed = std::move(outcome);
@@ -370,8 +370,18 @@ Status MemoryClient::query_parts(const ltm::Query& query, const Memory::PartVisi
   return status.ok() ? status : status.with_context(state_->endpoint);
 }
 
-Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine) {
-  return state_->ask(to_request(query, engine), query.is_ids_only());
+Result<ltm::QueryResult> MemoryClient::query(const ltm::Query& query, const std::string& engine,
+                                             std::span<const SentContext> contexts) {
+  return state_->ask(to_request(query, engine, contexts), query.is_ids_only());
+}
+
+Result<std::optional<SentContext>> MemoryClient::context(const ltm::MemoryId& entity) {
+  v1::ContextRequest request;
+  request.set_entity(entity.to_string());
+  v1::EntityContext reply;
+  ENGRAM_RETURN_IF_ERROR(state_->call(&Async::Context, request, reply));
+  if (!reply.has_context()) return std::optional<SentContext>();
+  return std::optional(SentContext{entity, std::move(*reply.mutable_context())});
 }
 
 Result<std::vector<ltm::SnapshotResult>> MemoryClient::predict(const ltm::MemoryId& entity,

@@ -17,6 +17,7 @@
 #include "ltm/memory/result.h"
 #include "ltm/prediction/engine_choice.h"
 #include "memory/memory.h"
+#include "server/client/sent_context.h"
 
 namespace engram::server {
 
@@ -96,11 +97,18 @@ class MemoryClient {
               std::function<void(const Status&)> done);
 
   /// Answers a query. `engine` names the engine of predictions; empty chooses the best one.
-  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {});
+  /// `contexts` are those of entities of other servers that conditions name.
+  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine = {},
+                                 std::span<const SentContext> contexts = {});
 
   /// The same in parts, see Memory::query_parts. `options.timeout` is for each part.
   Status query_parts(const ltm::Query& query, const Memory::PartVisit& visit,
-                     const std::string& engine = {});
+                     const std::string& engine = {}, std::span<const SentContext> contexts = {});
+
+  /// The context of an entity for a query to another server; nothing if this one has no such
+  /// entity. Errors: kFailedPrecondition if the server is of a version that does not know places;
+  /// kResourceExhausted if it is too large to be sent.
+  Result<std::optional<SentContext>> context(const ltm::MemoryId& entity);
 
   /// The same without waiting or trying again; `done` is called by a thread of the client.
   void query(const ltm::Query& query, const std::string& engine,

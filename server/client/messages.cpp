@@ -8,10 +8,16 @@
 
 namespace engram::server {
 
-v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine) {
+v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine,
+                            std::span<const SentContext> contexts) {
   v1::QueryRequest request;
   request.set_query(query.to_string());
   request.set_engine(engine);
+  for (const SentContext& context : contexts) {
+    v1::EntityContext& sent = *request.add_contexts();
+    sent.set_entity(context.entity.to_string());
+    sent.set_context(context.bytes);
+  }
   return request;
 }
 

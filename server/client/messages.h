@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "memory/memory.h"
+#include "server/client/sent_context.h"
 
 // Private to this room.
 
 namespace engram::server {
 
 /// What a client asks, as messages.
-[[nodiscard]] v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine);
+[[nodiscard]] v1::QueryRequest to_request(const ltm::Query& query, const std::string& engine,
+                                          std::span<const SentContext> contexts = {});
 [[nodiscard]] v1::PredictionRequest to_request(const ltm::MemoryId& entity,
                                                std::span<const Duration> horizons,
                                                const PredictOptions& options);

@@ -236,13 +236,40 @@ struct RobotMemory::State {
     return {};
   }
 
+  /// Of entities that conditions name and that another server has than one that is asked: places
+  /// and context, which the servers do not tell each other. One that nobody has is left to who
+  /// answers.
+  Result<std::vector<SentContext>> contexts_of_others(const ltm::Query& query,
+                                                      std::span<const Registration* const> asked) {
+    std::vector<SentContext> contexts;
+    for (const ltm::MemoryId& entity : query.condition_entities()) {
+      auto holder = servers->holder(entity.names()[0]);
+      if (!holder) {
+        servers->refresh(RobotServers::kFreshFor);
+        holder = servers->holder(entity.names()[0]);
+      }
+      if (!holder || std::ranges::all_of(asked, [&holder](const Registration* one) {
+            return one->server == holder->server;
+          }))
+        continue;
+      ENGRAM_ASSIGN_OR_RETURN(const auto client, servers->client(*holder));
+      auto context = client->context(entity);
+      if (is_lost(context.status())) servers->drop(holder->server, client.get());
+      if (!context.ok()) return context.status();
+      if (*context) contexts.push_back(**std::move(context));
+    }
+    return contexts;
+  }
+
   /// Asks all of them at once for whole answers.
   AskServers asks_whole(const ltm::Query& query, const std::string& engine) {
-    return [this, &query, &engine](std::span<const Registration* const> open) {
+    return [this, &query, &engine](std::span<const Registration* const> open)
+               -> Result<std::vector<Result<ltm::QueryResult>>> {
+      ENGRAM_ASSIGN_OR_RETURN(const auto contexts, contexts_of_others(query, open));
       std::vector<Result<ltm::QueryResult>> answers(open.size(), cancelled("not asked"));
       at_once(open.size(), [&](size_t i) {
-        answers[i] =
-            ask(*open[i], [&](MemoryClient& client) { return client.query(query, engine); });
+        answers[i] = ask(
+            *open[i], [&](MemoryClient& client) { return client.query(query, engine, contexts); });
       });
       return answers;
     };
@@ -254,6 +281,7 @@ struct RobotMemory::State {
                            const Memory::PartVisit& visit) {
     return [this, &query, &engine, &visit](std::span<const Registration* const> open)
                -> Result<std::vector<Result<ltm::QueryResult>>> {
+      ENGRAM_ASSIGN_OR_RETURN(const auto contexts, contexts_of_others(query, open));
       std::vector<Result<ltm::QueryResult>> answers;
       for (const Registration* server : open) {
         bool is_visited = false;
@@ -262,7 +290,7 @@ struct RobotMemory::State {
           return visit(std::move(part));
         };
         answers.push_back(ask(*server, [&](MemoryClient& client) -> Result<ltm::QueryResult> {
-          ENGRAM_RETURN_IF_ERROR(client.query_parts(query, noting, engine));
+          ENGRAM_RETURN_IF_ERROR(client.query_parts(query, noting, engine, contexts));
           return ltm::QueryResult(query.is_ids_only());
         }));
         if (is_visited) ENGRAM_RETURN_IF_ERROR(answers.back().status());

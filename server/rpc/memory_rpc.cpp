@@ -13,6 +13,7 @@
 #include "server/rpc/query_stream.h"
 #include "server/rpc/similar_call.h"
 #include "server/rpc/subscribe_stream.h"
+#include "server/wire/wire_context.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
 
@@ -30,7 +31,8 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
                 v1::MemoryServer::WithCallbackMethod_Engines<
                     v1::MemoryServer::WithCallbackMethod_Forget<
                         v1::MemoryServer::WithCallbackMethod_Similar<
-                            v1::MemoryServer::Service>>>>>>>>>;
+                            v1::MemoryServer::WithCallbackMethod_Context<
+                                v1::MemoryServer::Service>>>>>>>>>>;
 
 constexpr int kMaxListedHorizons = 16;
 
@@ -118,7 +120,32 @@ class MemoryRpc final : public ServiceBase {
     return SimilarCall::begin(context_, let_in(*call), *request, *reply);
   }
 
+  grpc::ServerUnaryReactor* Context(grpc::CallbackServerContext* call,
+                                    const v1::ContextRequest* request,
+                                    v1::EntityContext* reply) override {
+    // Values are read for it where no index has them, too long for one of gRPC's threads.
+    grpc::ServerUnaryReactor* reactor = call->DefaultReactor();
+    context_.work.add([this, call, request, reply, reactor] {
+      auto found = entity_context(*call, *request);
+      if (found.ok()) *reply = *std::move(found);
+      reactor->Finish(to_grpc(found.status()));
+    });
+    return reactor;
+  }
+
  private:
+  Result<v1::EntityContext> entity_context(const grpc::CallbackServerContext& call,
+                                           const v1::ContextRequest& request) {
+    ENGRAM_ASSIGN_OR_RETURN(Identity who, let_in(call));
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, ltm::MemoryId::parse(request.entity()));
+    if (!entity.is_entity())
+      return invalid_argument("found ID '{}', needs that of an entity", request.entity());
+    ENGRAM_RETURN_IF_ERROR(
+        context_.audited(who.name(), "context", request.entity(), who.check(Right::kRead, entity)));
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, context_.service.context(entity, who.view()));
+    return to_message(entity, found);
+  }
+
   Status engines(const grpc::CallbackServerContext& call, const v1::EnginesRequest& request,
                  v1::EnginesReply& reply) {
     ENGRAM_ASSIGN_OR_RETURN(const Identity who, let_in(call));

@@ -6,6 +6,7 @@
 #include "ltm/core/free_memory.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_answer.h"
+#include "server/wire/wire_context.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::server {
@@ -62,6 +63,11 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
     answer(message.number(), query.status());
     return;
   }
+  auto others = to_contexts(message.contexts());
+  if (!others.ok()) {
+    answer(message.number(), others.status());
+    return;
+  }
   // What an answer leaves out because it may not be read is not told to who asks.
   if (Status status = context_.audited(who_.name(), "query", message.query(), check_named(*query));
       !status.ok()) {
@@ -77,10 +83,10 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
   auto cursor = std::make_shared<std::optional<ltm::Recall::AnswerCursor>>();
   answer_later({message.number(),
                 [this, query = *std::move(query), engine = message.engine(),
-                 cursor](bool& is_last) -> Result<ltm::Answer> {
+                 others = *std::move(others), cursor](bool& is_last) -> Result<ltm::Answer> {
                   if (!*cursor) {
-                    ENGRAM_ASSIGN_OR_RETURN(*cursor,
-                                            context_.service.begin_query(query, engine, view_));
+                    ENGRAM_ASSIGN_OR_RETURN(
+                        *cursor, context_.service.begin_query(query, engine, view_, others));
                   }
                   auto part = context_.service.next_part(**cursor, kStepBytes);
                   if (part.ok()) redact(*part);

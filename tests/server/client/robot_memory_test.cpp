@@ -47,6 +47,70 @@ TEST_F(RobotMemoryTest, SplitsCommitsAndUnitesAnswers) {
   EXPECT_THAT(*ask("A/b/c/e ; B"), ElementsAre("A/b/c/e@1", "B/b/c/d@1"));
 }
 
+/// A thing in A, which moves along x; a camera that sees the first three steps of it, and an action
+/// of the last two, in B.
+ltm::Commit thing_and_camera(int64_t step) {
+  const auto pose = [](double x, double z) {
+    return idf::Data(idf::Dict{{"position", idf::NdArray::take<double>({3}, {x, 0, z})},
+                               {"orientation", idf::NdArray::take<double>({4}, {1, 0, 0, 0})}});
+  };
+  const Time time = time_from_ns(step);
+  const auto id = [](const char* text) { return *ltm::MemoryId::parse(text); };
+  ltm::Commit commit;
+  commit.updates.push_back(
+      {id("A/b/c/thing"),
+       time,
+       {{idf::Dict{{"pose_world_thing", pose(0.1 * static_cast<double>(step), 1)},
+                   {"is_visible", step != 2}},
+         {}}}});
+  commit.updates.push_back(
+      {id("B/b/c/camera"),
+       time,
+       {{idf::Dict{{"pose_world_camera", pose(0, 0)}, {"calibration", "B/b/c/lens"}}, {}}}});
+  if (step == 0)
+    commit.updates.push_back({id("B/b/c/lens"),
+                              time,
+                              {{idf::Dict{{"fx", 100.0},
+                                          {"fy", 100.0},
+                                          {"cx", 4.0},
+                                          {"cy", 4.0},
+                                          {"width", 25},
+                                          {"height", 9}},
+                                {}}}});
+  if (step == 3)
+    commit.updates.push_back(
+        {id("B/b/c/push"),
+         time,
+         {{idf::Dict{{"started", step}, {"ended", step + 1}, {"what", "A/b/c/thing"}}, {}}}});
+  return commit;
+}
+
+TEST_F(RobotMemoryTest, AnswersConditionsOnWhatOtherServersHave) {
+  for (int64_t step = 0; step < 5; ++step)
+    ASSERT_OK(client->commit(thing_and_camera(step), CommitDurability::kMemory));
+  EXPECT_THAT(*ask("A/b/c/thing @ all in-view B/b/c/camera"),
+              ElementsAre("A/b/c/thing@0", "A/b/c/thing@1", "A/b/c/thing@2"));
+  EXPECT_THAT(*ask("A/b/c/thing @ latest seen-with B/b/c/camera"), ElementsAre("A/b/c/thing@1"));
+  EXPECT_THAT(*ask("B/b/c/camera @ all in-vain A/b/c/thing"), ElementsAre("B/b/c/camera@2"));
+  EXPECT_THAT(*ask("A/b/c/thing @ all while B/b/c/push"),
+              ElementsAre("A/b/c/thing@3", "A/b/c/thing@4"));
+  EXPECT_THAT(*ask("A/b/c/thing @ all links-from B/b/c/push"), ElementsAre("A/b/c/thing@3"));
+  // Of both servers, each of which needs what the other one has.
+  EXPECT_THAT(*ask(".*/b/c/thing|camera @ all within A/b/c/thing 2m while B/b/c/push"),
+              ElementsAre("A/b/c/thing@3", "A/b/c/thing@4", "B/b/c/camera@3", "B/b/c/camera@4"));
+  size_t parts = 0;
+  ASSERT_OK(client->query_parts(*ltm::Query::parse("A/b/c/thing @ all while B/b/c/push"),
+                                [&parts](ltm::QueryResult part) {
+                                  parts += part.snapshot_count();
+                                  return Status();
+                                }));
+  EXPECT_EQ(parts, 2u);
+  EXPECT_FAILS(ask("A/b/c/thing @ all while B/b/c/nobody").status(), StatusCode::kNotFound,
+               "B/b/c/nobody");
+  EXPECT_FAILS(ask("A/b/c/thing @ all while Nobody/b/c/d").status(), StatusCode::kNotFound,
+               "Nobody/b/c/d");
+}
+
 TEST_F(RobotMemoryTest, SaysWhatNobodyHas) {
   ASSERT_OK(client->commit(SmallRobot::commit({"A/b/c/d"}, 1)));
   EXPECT_THAT(*ask(".*/.*/.*/d"), ElementsAre("A/b/c/d@1")) << "B has none";
