@@ -33,7 +33,8 @@ void EventWindows::offer(Candidate candidate, bool is_wanted, FilterDecisions& d
   const MemoryId& own = candidate.snapshot.entity;
   bool is_event = false;
   for (EventDetector& detector : detectors_)
-    if (detector.is_for(own, own) && detector.is_event(candidate.snapshot)) is_event = true;
+    if (detector.is_for(own, own) && detector.is_event(candidate.snapshot, candidate.type))
+      is_event = true;
   const Time time = candidate.snapshot.time;
   buffer_.add(std::move(candidate), is_wanted);
   if (is_event) buffer_.mark(time);
@@ -46,11 +47,12 @@ bool EventWindows::listens_to(const MemoryId& entity) const {
   });
 }
 
-void EventWindows::notice(const Snapshot& snapshot, FilterDecisions& decisions) {
+void EventWindows::notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
+                          FilterDecisions& decisions) {
   bool is_event = false;
   for (EventDetector& detector : detectors_)
     if (detector.rule().entity && detector.rule().entity->matches(snapshot.entity) &&
-        detector.is_event(snapshot))
+        detector.is_event(snapshot, type))
       is_event = true;
   if (!is_event) return;
   buffer_.mark(snapshot.time);

@@ -20,7 +20,8 @@ class EventWindows {
   EventWindows(const std::vector<EventRule>& events, const WindowBuffer::Options& windows);
 
   void offer(Candidate candidate, bool is_wanted, FilterDecisions& decisions);
-  void notice(const Snapshot& snapshot, FilterDecisions& decisions);
+  void notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
+              FilterDecisions& decisions);
   void flush(FilterDecisions& decisions) { buffer_.flush(decisions); }
   [[nodiscard]] bool listens_to(const MemoryId& entity) const;
   [[nodiscard]] bool is_open_at(Time time) const { return buffer_.is_open_at(time); }
@@ -70,8 +71,9 @@ class ImportanceFilter final : public Filter {
   [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
     return windows_.listens_to(entity);
   }
-  void notice(const Snapshot& snapshot, FilterDecisions& decisions) override {
-    windows_.notice(snapshot, decisions);
+  void notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
+              FilterDecisions& decisions) override {
+    windows_.notice(snapshot, type, decisions);
   }
 
  private:
@@ -114,8 +116,9 @@ class TriggerFilter final : public Filter {
   [[nodiscard]] bool listens_to(const MemoryId& entity) const override {
     return windows_.listens_to(entity);
   }
-  void notice(const Snapshot& snapshot, FilterDecisions& decisions) override {
-    windows_.notice(snapshot, decisions);
+  void notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
+              FilterDecisions& decisions) override {
+    windows_.notice(snapshot, type, decisions);
   }
 
  private:

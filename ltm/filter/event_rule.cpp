@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/filter/event_rule.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ltm/idf/element_visit.h"
+#include "ltm/memory/told_events.h"
 
 namespace engram::ltm {
 
@@ -23,8 +25,10 @@ void for_each_number(const idf::Data& value, F function) {
 }  // namespace
 
 Status EventRule::validate() const {
-  if (!entity && path.empty())
-    return invalid_argument("event: has neither an entity nor a path, needs one or both");
+  if (!entity && path.empty() && tells.empty())
+    return invalid_argument("event: has neither an entity nor a path nor tells, needs one of them");
+  if (!path.empty() && !tells.empty())
+    return invalid_argument("event: has 'path' and 'tells', needs one of them");
   if (!std::isfinite(bound)) return invalid_argument("event: bound is {}, needs a number", bound);
   return {};
 }
@@ -33,7 +37,36 @@ bool EventDetector::is_for(const MemoryId& entity, const MemoryId& own) const {
   return rule_.entity ? rule_.entity->matches(entity) : entity == own;
 }
 
-bool EventDetector::is_event(const Snapshot& snapshot) {
+bool EventDetector::tells(const Snapshot& snapshot, const std::optional<idf::Type>& type) {
+  ToldEvents told;
+  for (const Instance& instance : snapshot.instances) {
+    const ToldEvents one = told_events(instance.data, type);
+    if (told.outcome == ActionOutcome::kUnknown) told.outcome = one.outcome;
+    told.is_speech = told.is_speech || one.is_speech;
+    told.links = told.links * 31 + one.links;
+  }
+  const auto [before, is_first] = links_.try_emplace(snapshot.entity, told.links);
+  const bool leads_elsewhere = !is_first && before->second != told.links;
+  before->second = told.links;
+  return std::ranges::any_of(rule_.tells, [&](Telling telling) {
+    switch (telling) {
+      case Telling::kFailure:
+        return told.outcome == ActionOutcome::kFailure;
+      case Telling::kStop:
+        return told.outcome == ActionOutcome::kStop;
+      case Telling::kSuccess:
+        return told.outcome == ActionOutcome::kSuccess;
+      case Telling::kSpeech:
+        return told.is_speech;
+      case Telling::kLinks:
+        break;
+    }
+    return leads_elsewhere;
+  });
+}
+
+bool EventDetector::is_event(const Snapshot& snapshot, const std::optional<idf::Type>& type) {
+  if (!rule_.tells.empty()) return tells(snapshot, type);
   if (rule_.path.empty()) return true;
   std::vector<Side>& sides = sides_[snapshot.entity];
   size_t element = 0;

@@ -82,8 +82,9 @@ class Filter {
   /// True if notice() must be called for this entity, which is not the filter's own.
   [[nodiscard]] virtual bool listens_to(const MemoryId&) const { return false; }
 
-  /// Tells the filter of a new snapshot of another entity, which may decide on held candidates.
-  virtual void notice(const Snapshot&, FilterDecisions&) {}
+  /// Tells the filter of a new snapshot of another entity, which may decide on held candidates,
+  /// with the type of its values, if it is known.
+  virtual void notice(const Snapshot&, const std::optional<idf::Type>&, FilterDecisions&) {}
 };
 
 }  // namespace engram::ltm

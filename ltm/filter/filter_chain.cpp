@@ -125,10 +125,11 @@ void FilterChain::flush(Output& output) {
   }
 }
 
-void FilterChain::notice(const Snapshot& snapshot, Output& output) {
+void FilterChain::notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
+                         Output& output) {
   for (size_t i = 0; i < stages_.size(); ++i) {
     FilterDecisions decisions;
-    stages_[i].filter->notice(snapshot, decisions);
+    stages_[i].filter->notice(snapshot, type, decisions);
     settle(i, std::move(decisions), output);
   }
 }

@@ -58,7 +58,7 @@ class FilterChain {
   /// Drops what filters hold of these times. Filters that remember values start again, so that
   /// nothing is compared with one that was forgotten.
   void forget(const TimeSet& times, Output& output);
-  void notice(const Snapshot& snapshot, Output& output);
+  void notice(const Snapshot& snapshot, const std::optional<idf::Type>& type, Output& output);
   [[nodiscard]] bool listens_to(const MemoryId& entity) const;
 
   [[nodiscard]] bool empty() const { return stages_.empty(); }

@@ -69,6 +69,20 @@ Result<SimilarityFilter::MemberRule> read_member(const ConfigValue& value) {
   return rule;
 }
 
+Result<Telling> read_telling(const ConfigValue& value) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string word, value.text());
+  constexpr std::array<std::pair<std::string_view, Telling>, 5> kTellings{
+      {{"failure", Telling::kFailure},
+       {"stop", Telling::kStop},
+       {"success", Telling::kSuccess},
+       {"speech", Telling::kSpeech},
+       {"links", Telling::kLinks}}};
+  for (const auto& [known, telling] : kTellings)
+    if (known == word) return telling;
+  return value.error(
+      fmt::format("found '{}', needs failure, stop, success, speech or links", word));
+}
+
 Result<EventRule> read_event(const ConfigValue& value) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
   EventRule rule;
@@ -88,6 +102,7 @@ Result<EventRule> read_event(const ConfigValue& value) {
                                                      {"falling", Crossing::kFalling},
                                                      {"either", Crossing::kEither}}}));
   }
+  ENGRAM_RETURN_IF_ERROR(read_list(map, "tells", rule.tells, read_telling));
   ENGRAM_RETURN_IF_ERROR(map.finish());
   if (const Status status = rule.validate(); !status.ok()) return value.error(status);
   return rule;

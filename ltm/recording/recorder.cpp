@@ -150,23 +150,26 @@ struct Recorder::State {
     RecordingChannel& channel = channels.of(snapshot.entity);
     count(offered, *channel.counters);
     if (offered.redaction.is_dropped()) return drop(channel, offered);
-    if (channel.is_event_source) channel.last_offered = snapshot;
+    std::optional<idf::Type> type;
+    if (channel.is_event_source || !channel.chain.empty())
+      if (const idf::Type* declared = writer->types().of_entity(snapshot.entity)) type = *declared;
+    if (channel.is_event_source) {
+      channel.last_offered = snapshot;
+      channel.last_type = type;
+    }
     if (channel.chain.empty()) {
       Candidate counted;
       counted.raw_bytes = offered.raw_bytes;
       counted.commit = commits;
       kept.push_back({&channel, &snapshot, std::move(counted), std::nullopt});
     } else {
-      const idf::Type* type = writer->types().of_entity(snapshot.entity);
       FilterChain::Output output;
-      channel.chain.offer({snapshot, offered.raw_bytes, commits,
-                           type == nullptr ? std::nullopt : std::optional(*type)},
-                          output);
+      channel.chain.offer({snapshot, offered.raw_bytes, commits, type}, output);
       take_output(channel, std::move(output), kept);
     }
     for (RecordingChannel* listener : channel.listeners) {
       FilterChain::Output output;
-      listener->chain.notice(snapshot, output);
+      listener->chain.notice(snapshot, type, output);
       take_output(*listener, std::move(output), kept);
     }
   }

@@ -86,7 +86,7 @@ void RecordingChannels::connect(RecordingChannel& made) {
     other.listeners.push_back(&made);
     // An event may come before the first snapshot of the entity whose filter it opens.
     FilterChain::Output nothing;
-    if (other.last_offered) made.chain.notice(*other.last_offered, nothing);
+    if (other.last_offered) made.chain.notice(*other.last_offered, other.last_type, nothing);
   }
 }
 

@@ -25,6 +25,7 @@ struct RecordingChannel {
 
   bool is_event_source = false;              ///< True if a rule's events may come from it.
   std::optional<Snapshot> last_offered;      ///< Set for event sources only.
+  std::optional<idf::Type> last_type;        ///< Of its values, if it is known.
   std::vector<RecordingChannel*> listeners;  ///< Channels whose filters listen to this entity.
 
   /// Updates the counters from the filters.

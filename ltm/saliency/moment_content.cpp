@@ -2,39 +2,20 @@
 #include "ltm/saliency/moment_content.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <map>
 
 #include "ltm/likeness/image_descriptor.h"
-#include "ltm/memory/memory_id.h"
+#include "ltm/memory/told_events.h"
 
 namespace engram::ltm {
 
 namespace {
 
-constexpr std::array kSpeechNames{"text", "words", "utterance", "transcript", "sentence"};
-constexpr std::array kOutcomeNames{"outcome", "status", "result", "success", "succeeded"};
 /// Nanoseconds since 1970 of January 12th 1970: counts stay below, times of robots above.
 constexpr int64_t kMinTime = 1'000'000'000'000'000;
 constexpr int kMaxContentDepth = 64;
-
-uint64_t mixed(uint64_t before, std::string_view text) {
-  return (std::rotl(before, 23) ^ std::hash<std::string_view>{}(text)) * 0x9e3779b97f4a7c15ULL;
-}
-
-std::string_view last_name(std::string_view path) {
-  const size_t slash = path.rfind('/');
-  return slash == std::string_view::npos ? path : path.substr(slash + 1);
-}
-
-/// The entity that a text leads to; nothing if it is no link.
-std::optional<MemoryId> linked_entity(const std::string& text) {
-  if (std::ranges::count(text, '/') < 3) return std::nullopt;
-  const auto id = MemoryId::parse(text);
-  return id.ok() && id->has_entity() ? std::optional(id->entity()) : std::nullopt;
-}
 
 template <typename T>
 void append_elements_of(const idf::NdArray& array, std::vector<double>& numbers) {
@@ -70,13 +51,7 @@ void ContentReader::add(const idf::Data& value) {
   const std::string path = instance_ == 0 ? "" : "[" + std::to_string(instance_) + "]";
   ++instance_;
   walk(value, path);
-  const auto* dict = value.get_if<idf::Dict>();
-  if (dict == nullptr) return;
-  for (const char* const name : kOutcomeNames) {
-    const idf::Data* const found = dict->find(name);
-    if (found == nullptr || content_.outcome != ActionOutcome::kUnknown) continue;
-    content_.outcome = outcome_of(*found, name, type_);
-  }
+  if (content_.outcome == ActionOutcome::kUnknown) content_.outcome = outcome_in(value, type_);
 }
 
 void ContentReader::add(const std::string& path, const std::vector<double>& numbers) {
@@ -146,14 +121,11 @@ void ContentReader::add_number(double number, const std::string& path) {
 
 void ContentReader::add_text(const std::string& text, const std::string& path) {
   if (const auto entity = linked_entity(text)) {
-    content_.links = mixed(mixed(content_.links + 1, path), entity->to_string());
+    content_.links = mixed_text(mixed_text(content_.links + 1, path), entity->to_string());
     return;
   }
-  content_.facts = mixed(mixed(content_.facts + 1, path), text);
-  const std::string_view name = last_name(path);
-  if (!text.empty() &&
-      (path.empty() || std::ranges::find(kSpeechNames, name) != kSpeechNames.end()))
-    content_.is_speech = true;
+  content_.facts = mixed_text(mixed_text(content_.facts + 1, path), text);
+  if (!text.empty() && is_speech_member(path)) content_.is_speech = true;
 }
 
 }  // namespace engram::ltm

@@ -37,8 +37,7 @@ struct MomentContent {
 
 /// Reads snapshots of one entity. The members are those of the snapshot that was read last.
 ///
-/// Speech is a text, alone or in a member named text, words, utterance, transcript or sentence. An
-/// outcome is a member named outcome, status, result, success or succeeded (action_outcome.h).
+/// What speech, links and outcomes are is told by ltm/memory/told_events.h.
 /// Threading: one thread.
 /// Source: docs/saliency.md, section "The parts".
 class ContentReader {

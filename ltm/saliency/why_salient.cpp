@@ -96,8 +96,9 @@ class Explaining {
     }
     if (told.has_changed && 1 - told.changed_facts >= surprise_part(told.ratio())) {
       part.found = "texts or links changed";
-      part.expected = fmt::format("none: they did in {:.0f} % of the 32 steps before",
-                                  100 * told.changed_facts);
+      part.expected = fmt::format(
+          "those of the snapshot before; they changed in {:.0f} % of up to 32 steps before",
+          100 * told.changed_facts);
     } else if (read.width() > 0) {
       part.found =
           fmt::format("{} is {:.4g}", name_of_number(read.members, told.member),

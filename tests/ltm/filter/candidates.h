@@ -39,7 +39,7 @@ class FilterRun {
     return decisions_.kept.size() == before + 1 && decisions_.kept.back().snapshot.time == time;
   }
   void offer(Candidate offered) { filter_.offer(std::move(offered), decisions_); }
-  void notice(const Candidate& other) { filter_.notice(other.snapshot, decisions_); }
+  void notice(const Candidate& other) { filter_.notice(other.snapshot, other.type, decisions_); }
   void flush() { filter_.flush(decisions_); }
 
   /// Seconds of what was kept, in the order in which it came out.

@@ -96,7 +96,7 @@ class FilterConformance : public ::testing::TestWithParam<size_t> {
       if (count % 50 == 0) {
         Candidate event = candidate(0, idf::None{}, "event");
         event.snapshot.time = each.snapshot.time;
-        filter.notice(event.snapshot, decisions);
+        filter.notice(event.snapshot, event.type, decisions);
         expect_balance(filter, decisions, count);
       }
     }

@@ -40,7 +40,7 @@ std::vector<int> events(Crossing crossing, const std::vector<double>& values) {
   EventDetector detector(contact(crossing));
   std::vector<int> found;
   for (size_t i = 0; i < values.size(); ++i)
-    if (detector.is_event(candidate(static_cast<double>(i), force(values[i])).snapshot))
+    if (detector.is_event(candidate(static_cast<double>(i), force(values[i])).snapshot, {}))
       found.push_back(static_cast<int>(i));
   return found;
 }
@@ -58,12 +58,53 @@ TEST(EventDetector, LooksAtEachElementAndEachEntity) {
   const auto value = [](float a, float b) {
     return idf::Dict{{"f", idf::NdArray::take<float>({2}, {a, b})}};
   };
-  EXPECT_TRUE(detector.is_event(candidate(0, value(20, 0)).snapshot));
-  EXPECT_TRUE(detector.is_event(candidate(1, value(20, 11)).snapshot));
-  EXPECT_FALSE(detector.is_event(candidate(2, value(20, 11)).snapshot));
-  EXPECT_TRUE(detector.is_event(candidate(3, value(20, 11), "other").snapshot));
-  EXPECT_FALSE(detector.is_event(candidate(4, idf::Dict{{"g", 99.0}}).snapshot));
-  EXPECT_FALSE(detector.is_event(candidate(5, "text").snapshot));
+  EXPECT_TRUE(detector.is_event(candidate(0, value(20, 0)).snapshot, {}));
+  EXPECT_TRUE(detector.is_event(candidate(1, value(20, 11)).snapshot, {}));
+  EXPECT_FALSE(detector.is_event(candidate(2, value(20, 11)).snapshot, {}));
+  EXPECT_TRUE(detector.is_event(candidate(3, value(20, 11), "other").snapshot, {}));
+  EXPECT_FALSE(detector.is_event(candidate(4, idf::Dict{{"g", 99.0}}).snapshot, {}));
+  EXPECT_FALSE(detector.is_event(candidate(5, "text").snapshot, {}));
+}
+
+TEST(EventDetector, HearsWhatSnapshotsTell) {
+  const auto tells = [](std::vector<Telling> what, idf::Data value) {
+    EventRule rule;
+    rule.tells = std::move(what);
+    EXPECT_OK(rule.validate());
+    return EventDetector(rule).is_event(candidate(0, std::move(value)).snapshot, {});
+  };
+  const idf::Data failed = idf::Dict{{"skill", "pick"}, {"outcome", "FAILURE"}};
+  EXPECT_TRUE(tells({Telling::kFailure}, failed));
+  EXPECT_TRUE(tells({Telling::kSpeech, Telling::kFailure}, failed));
+  EXPECT_FALSE(tells({Telling::kStop, Telling::kSuccess, Telling::kSpeech}, failed));
+  EXPECT_TRUE(tells({Telling::kSpeech}, idf::Dict{{"text", "Stop!"}}));
+  EXPECT_TRUE(tells({Telling::kStop}, idf::Dict{{"status", "cancelled"}}));
+  EXPECT_FALSE(tells({Telling::kLinks}, idf::Dict{{"text", "Stop!"}}));
+}
+
+TEST(EventDetector, ReadsOutcomesOfEnumsByTheirNames) {
+  EventRule rule;
+  rule.tells = {Telling::kFailure};
+  EventDetector detector(rule);
+  const idf::Type type = idf::Type::object(
+      "Action", {{"outcome", idf::Type::int_enum("Outcome", {{"RUNNING", 0}, {"FAILURE", 2}})}});
+  EXPECT_FALSE(detector.is_event(candidate(0, idf::Dict{{"outcome", 0}}).snapshot, type));
+  EXPECT_TRUE(detector.is_event(candidate(1, idf::Dict{{"outcome", 2}}).snapshot, type));
+  EXPECT_FALSE(detector.is_event(candidate(2, idf::Dict{{"outcome", 2}}).snapshot, {}));
+}
+
+TEST(EventDetector, ALinkThatLeadsElsewhereIsAnEvent) {
+  EventRule rule;
+  rule.tells = {Telling::kLinks};
+  EventDetector detector(rule);
+  const auto holds = [&](double time, const std::string& link) {
+    return detector.is_event(candidate(time, idf::Dict{{"held_by", link}}).snapshot, {});
+  };
+  EXPECT_FALSE(holds(0, "Robot/Hands/robot/left/2022-02-18 13:06:56/0"));
+  EXPECT_FALSE(holds(1, "Robot/Hands/robot/left/2022-02-18 13:06:57/0"));
+  EXPECT_TRUE(holds(2, "Robot/Hands/robot/right/2022-02-18 13:06:58/0"));
+  EXPECT_TRUE(holds(3, ""));
+  EXPECT_FALSE(holds(4, ""));
 }
 
 TEST(ImportanceFilter, KeepsWhatIsAroundAnEvent) {

@@ -56,7 +56,7 @@ TEST(FilterChain, PassesOnWhatAFilterLetsGoLater) {
   for (int i = 0; i < 10; ++i) chain.offer(candidate(i / 2.0), output);
   EXPECT_EQ(chain.held().snapshots, 10u);
   EXPECT_TRUE(output.kept.empty());
-  chain.notice(candidate(5, idf::None{}, "event").snapshot, output);
+  chain.notice(candidate(5, idf::None{}, "event").snapshot, {}, output);
   EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 1, 2, 3, 4}));
   EXPECT_EQ(chain.held().snapshots, 0u);
   EXPECT_EQ(output.dropped, 5u);
@@ -166,7 +166,7 @@ TEST(FilterChain, ForgetsWhatIsHeldAndLetsTheRestFollow) {
   EXPECT_EQ(output.dropped, 2u);
   EXPECT_EQ(chain.held().snapshots, 3u);
   EXPECT_EQ(chain.counters()[0].dropped_by.at("forgotten"), 2u);
-  chain.notice(candidate(5, idf::None{}, "event").snapshot, output);
+  chain.notice(candidate(5, idf::None{}, "event").snapshot, {}, output);
   EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 2, 4}));
 }
 

@@ -132,6 +132,31 @@ entities:
   EXPECT_EQ(stored("cam"), (std::vector<double>{1, 2, 3}));
 }
 
+TEST_F(RecordingFilters, KeepsWhatIsAroundAFailureThatAnEnumTells) {
+  auto recorder = open(R"(
+entities:
+  - match: .*/.*/.*/cam
+    filters: [{importance: {events: [{entity: Skills, tells: [failure]}], before: 1s, after: 2s}}]
+)");
+  ASSERT_OK(recorder.declare(
+      *MemoryId::parse("Skills/Actions"),
+      idf::Type::object(
+          "Action",
+          {{"outcome", idf::Type::int_enum("Outcome", {{"SUCCESS", 1}, {"FAILURE", 2}})}})));
+  const auto acts = [](double seconds, int32_t outcome) {
+    Snapshot snapshot = at(seconds, "pick", idf::Dict{{"outcome", outcome}});
+    snapshot.entity = *MemoryId::parse("Skills/Actions/robot/pick");
+    return snapshot;
+  };
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_OK(recorder.commit({{at(i, "cam", i)}}));
+    if (i == 5) ASSERT_OK(recorder.commit({{acts(i, 1)}}));
+    if (i == 12) ASSERT_OK(recorder.commit({{acts(i, 2)}}));
+  }
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(stored("cam"), (std::vector<double>{11, 12, 13, 14}));
+}
+
 TEST_F(RecordingFilters, StoresHeldSnapshotsThoughTheCommitThatFreesThemFails) {
   auto recorder = open(R"(
 entities:
