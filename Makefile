@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars age-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars age-bars saliency-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -62,6 +62,7 @@ help:
 	@echo "make fade-bars       what remains of images that fade, and for how many bytes (RECORDINGS, BARS=options)"
 	@echo "make ninety-days     what a store answers of 90 simulated days with a tenth of its bytes (BARS=options)"
 	@echo "make recall-bars     how often likeness finds the same phase of a task elsewhere (BARS=options)"
+	@echo "make saliency-bars   what a tenth of the snapshots of kitchens still answers (RECORDINGS, BARS=options)"
 	@echo "make reflection-bars 200 faults in kitchens: how many are found, and false alarms (BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
@@ -229,6 +230,12 @@ fade-bars: build
 reflection-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/reflection/reflection_bars.py \
 	  build/release/bin/engram build/release/python --json build/reflection_bars.json $(BARS)
+
+# Options: experiments/saliency/saliency_bars.py --help
+saliency-bars: build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/saliency/saliency_bars.py \
+	  build/release/bin/engram build/release/python --recordings "$(RECORDINGS)/g1" \
+	  --json build/saliency_bars.json $(BARS)
 
 # Options: experiments/forgetting/ninety_days.py --help
 ninety-days: build
