@@ -116,7 +116,7 @@ class MemoryService {
   Result<ltm::Answer> next_part(ltm::Recall::AnswerCursor& cursor, size_t bytes);
 
   /// The context of an entity for who asks another memory, see ltm::Recall::context.
-  Result<ltm::SharedContext> context(const MemoryId& entity, const ltm::SharedView& view);
+  Result<ltm::SharedContext> context(const ltm::MemoryId& entity, const ltm::SharedView& view);
 
   /// Predicts from a moment on, or with a plan.
   /// Errors: those of ltm::Recall::predict.
