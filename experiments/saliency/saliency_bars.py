@@ -138,7 +138,7 @@ def measure(options):
         "kept": sum(len(found) for found in kept.values()), "seconds": took, "stores": {},
         "by_entity": {name: [len(kept.get(name, [])), len(found)]
                       for name, found in times.items()}}
-    for name in [one for one in answerers if one != "full"]:
+    for name in sorted(set(answerers) - {"full"}, key=["salient", "learned", *RIVALS].index):
         by_kind = {kind: [ok for one, ok in zip(asked, right[name]) if one["kind"] == kind]
                    for kind in kinds}
         result["stores"][name] = {"all": sum(right[name]) / len(asked),
