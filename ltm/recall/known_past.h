@@ -88,6 +88,10 @@ class KnownPast {
   /// Calls renew() if the store changed in a way that this object follows but is not told of. Call
   /// it before each question; it takes microseconds if nothing changed.
   virtual Status follow() = 0;
+
+  /// Changes if something that was known is not known any more, although nobody forgot it: the past
+  /// of a replay that jumped back. Whatever was learned before must be dropped then.
+  [[nodiscard]] virtual uint64_t era() const { return 0; }
 };
 
 }  // namespace engram::ltm

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,6 +55,8 @@ struct LoadedModel {
   std::unique_ptr<Predictor> predictor;
   /// Copies the last value; its errors were measured on the same data. May be null.
   std::unique_ptr<Predictor> copy_last = {};
+  /// The time of the last snapshot that it was trained on or measured with; empty: not known.
+  std::optional<Time> trained_until = {};
 };
 
 /// Opens a model file. The caller of recall provides it, so that recall needs no learning library.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "ltm/prediction/entity_predictor.h"
 
@@ -240,6 +241,7 @@ Result<std::unique_ptr<EntityPast>> RecallPredictor::known(const MemoryId& entit
 Result<RecallPredictor::Learned*> RecallPredictor::learned(const MemoryId& entity,
                                                            std::optional<Time> from, Prefer prefer,
                                                            bool goes_on) {
+  if (std::exchange(era_, past_.era()) != past_.era()) learned_.clear();
   ENGRAM_ASSIGN_OR_RETURN(const auto past, known(entity));
   ENGRAM_ASSIGN_OR_RETURN(const auto last, last_known(*past, from));
   if (!last) return has_none_before(entity, from);

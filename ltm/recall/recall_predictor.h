@@ -111,6 +111,7 @@ class RecallPredictor {
   KnownPast& past_;
   MakeEngineChoice make_choice_;
   std::list<Learned> learned_;  ///< The most recently used one in front.
+  uint64_t era_ = 0;            ///< KnownPast::era() when they learned.
   /// Pasts of the entities that are conditions; kept during one call only.
   std::map<MemoryId, std::unique_ptr<EntityPast>> conditions_;
   std::unique_ptr<Predictor> copy_last_ = make_copy_last_predictor();

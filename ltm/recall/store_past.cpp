@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/recall/store_past.h"
 
+#include <algorithm>
+#include <functional>
+
 #include "ltm/context/segment_contexts.h"
 #include "ltm/recall/timeline_moments.h"
 
@@ -134,17 +137,36 @@ std::optional<idf::Type> StorePast::type_of(const MemoryId& entity) const {
   return type == nullptr ? std::nullopt : std::optional(*type);
 }
 
-Result<std::vector<Engine>> StorePast::models(const MemoryId& entity) {
+std::vector<Engine> StorePast::engines_of(const LoadedModel& model, const ModelInfo& info) {
   std::vector<Engine> engines;
-  const ModelInfo* newest = store().manifest().newest_model(entity);
-  if (newest == nullptr || !models_->has_loader()) return engines;
-  const auto loaded = reader_->load(*newest);
-  if (is_damage(loaded.status())) return engines;
-  ENGRAM_RETURN_IF_ERROR(loaded.status());
-  const LoadedModel* model = *loaded;
-  if (model->predictor) engines.push_back({model->predictor.get(), newest->name()});
-  if (model->copy_last) engines.push_back({model->copy_last.get(), ""});
+  if (model.predictor) engines.push_back({model.predictor.get(), info.name()});
+  if (model.copy_last) engines.push_back({model.copy_last.get(), ""});
   return engines;
+}
+
+Result<std::vector<Engine>> StorePast::models(const MemoryId& entity) {
+  const ModelInfo* newest = store().manifest().newest_model(entity);
+  if (newest == nullptr || !models_->has_loader()) return std::vector<Engine>{};
+  const auto loaded = reader_->load(*newest);
+  if (is_damage(loaded.status())) return std::vector<Engine>{};
+  ENGRAM_RETURN_IF_ERROR(loaded.status());
+  return engines_of(**loaded, *newest);
+}
+
+Result<std::vector<Engine>> StorePast::models_trained_until(const MemoryId& entity, Time now) {
+  std::vector<const ModelInfo*> versions;
+  for (const ModelInfo& model : store().manifest().models)
+    if (model.entity == entity) versions.push_back(&model);
+  std::ranges::sort(versions, std::greater(), &ModelInfo::version);
+  if (!models_->has_loader()) versions.clear();
+  for (const ModelInfo* version : versions) {
+    const auto loaded = reader_->load(*version);
+    if (is_damage(loaded.status())) continue;
+    ENGRAM_RETURN_IF_ERROR(loaded.status());
+    const std::optional<Time>& until = (*loaded)->trained_until;
+    if (until && *until <= now) return engines_of(**loaded, *version);
+  }
+  return std::vector<Engine>{};
 }
 
 Status StorePast::renew() {

@@ -54,6 +54,9 @@ class StorePast final : public KnownPast {
   Result<std::unique_ptr<EntityPast>> of(const MemoryId& entity) override;
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override;
   Result<std::vector<Engine>> models(const MemoryId& entity) override;
+  /// Those of the newest model that was trained on nothing after `now`. Empty also if no model
+  /// tells so.
+  Result<std::vector<Engine>> models_trained_until(const MemoryId& entity, Time now);
   /// Models stay loaded.
   /// Errors: those of StoreReader::open; then nothing changes.
   void keep_decoded(bool keeps) override { keeps_decoded_ = keeps; }
@@ -81,6 +84,7 @@ class StorePast final : public KnownPast {
   Result<SharedContext> context_of(const std::shared_ptr<PastReader>& reader,
                                    const MemoryId& entity);
   void clear_contexts();
+  static std::vector<Engine> engines_of(const LoadedModel& model, const ModelInfo& info);
 
   const Options options_;
   StoreMark mark_;  ///< Taken before the store was opened; empty if that is not known.

@@ -340,6 +340,27 @@ Result<std::optional<RowSpan>> SegmentReader::snapshot_at(const MemoryId& entity
   return std::optional(span);
 }
 
+Result<Time> SegmentReader::arrived(const MemoryId& entity, const RowSpan& span) {
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  if (span.rows > place->rows || span.first > place->rows - span.rows)
+    return state_->source.broken(
+        place->group, fmt::format("'{}' has {} rows, needs {} from {} on", entity.to_string(),
+                                  place->rows, span.rows, span.first));
+  const std::string path = place->group + "/metadata/arrived";
+  const uint64_t first = place->first + span.first;
+  std::optional<Time> latest;
+  for (uint64_t row = first; row < first + span.rows; ++row) {
+    ENGRAM_ASSIGN_OR_RETURN(const Time arrived, state_->row_time(path, row, span.time));
+    latest = std::max(latest.value_or(arrived), arrived);
+  }
+  return latest.value_or(Time{}) == Time{} ? span.time : *latest;
+}
+
+Result<bool> SegmentReader::has_arrivals(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
+  return state_->source.file().exists(place->group + "/metadata/arrived");
+}
+
 Result<PackedSnapshot> SegmentReader::read_recorded(const MemoryId& entity, const RowSpan& span) {
   return state_->snapshot(entity, span, true);
 }

@@ -87,6 +87,12 @@ class SegmentReader {
   /// The snapshot that begins at `row`, or nullopt after the last one.
   Result<std::optional<RowSpan>> snapshot_at(const MemoryId& entity, uint64_t row);
 
+  /// When the memory took a snapshot: the latest of its instances. One that does not tell (0)
+  /// counts as taken at its own time. Errors: kNotFound, kDataLoss.
+  Result<Time> arrived(const MemoryId& entity, const RowSpan& span);
+  /// Whether the file says when snapshots of the entity arrived; all arrived at their times if not.
+  Result<bool> has_arrivals(const MemoryId& entity);
+
   /// Errors: kNotFound, kDataLoss naming file, object and row.
   Result<PackedSnapshot> read_recorded(const MemoryId& entity, const RowSpan& span);
   /// The same without media: their places in the values are `none`.

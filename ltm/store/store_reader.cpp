@@ -325,6 +325,30 @@ Result<PackedSnapshot> StoreReader::read_values(const MemoryId& entity,
   return segment->read_values(entity, {entry.time, at.at, at.rows});
 }
 
+Result<Time> StoreReader::arrived(const MemoryId& entity, const SnapshotEntry& entry) {
+  const SnapshotEntry::Location& at = entry.recorded ? *entry.recorded : *entry.latent;
+  if (at.rows > 0) {
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(at.source));
+    return segment->arrived(entity, {entry.time, at.at, at.rows});
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
+  Time latest{};
+  for (const PackedInstance& instance : packed.instances)
+    latest = std::max(latest, instance.metadata.arrived);
+  return latest == Time{} ? entry.time : latest;
+}
+
+Result<bool> StoreReader::arrived_in_time(const MemoryId& entity) {
+  if (state_->journal_entries.contains(entity)) return false;
+  for (const auto& [number, part] : state_->stored.of(entity)) {
+    if (part->snapshots == 0) continue;
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(number));
+    ENGRAM_ASSIGN_OR_RETURN(const bool tells, segment->has_arrivals(entity));
+    if (tells) return false;
+  }
+  return true;
+}
+
 Result<StoredForms> StoreReader::forms(const MemoryId& entity, uint32_t segment) {
   ENGRAM_CHECK(segment < state_->manifest.segments.size(), "there is no segment {}", segment);
   ENGRAM_ASSIGN_OR_RETURN(SegmentReader * reader, state_->segment(segment));

@@ -93,6 +93,16 @@ class StoreReader {
   /// The same for who needs no images: in segments, media are not read and missing from the result.
   Result<PackedSnapshot> read_values(const MemoryId& entity, const SnapshotEntry& entry);
 
+  /// When the memory took a snapshot: the latest of its instances; the time of the snapshot if it
+  /// does not tell.
+  /// Errors: kDataLoss naming the segment and the row.
+  Result<Time> arrived(const MemoryId& entity, const SnapshotEntry& entry);
+
+  /// Whether all snapshots of the entity arrived at their own times, as those of an import did. No
+  /// rows are read for it. False if a journal has some of them.
+  /// Errors: kNotFound, kDataLoss.
+  Result<bool> arrived_in_time(const MemoryId& entity);
+
   /// How the entity is stored in a recorded segment. `segment` is an index into the manifest's
   /// segments (checked).
   /// Errors: kNotFound, kDataLoss.
