@@ -3,6 +3,7 @@
 #include "cli/interrupt.h"
 #include "cli/learning_module.h"
 #include "cli/remote.h"
+#include "cli/served_text.h"
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
@@ -61,24 +62,11 @@ struct ServeArguments {
   bool is_json = false;
 };
 
-/// Quotes a text for robot.yaml.
-std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? "''" : std::string(1, c);
-  return out + "'";
-}
-
-std::string quoted(const std::vector<std::string>& texts) {
-  std::string out;
-  for (const std::string& text : texts) out += (out.empty() ? "" : ", ") + quoted(text);
-  return "[" + out + "]";
-}
-
 std::string security_yaml(const server::ListenPolicy::Options& security,
                           const std::filesystem::path& audit) {
   std::string text;
   const auto add = [&text](const char* key, const std::filesystem::path& value) {
-    if (!value.empty()) text += fmt::format("  {}: {}\n", key, quoted(value.string()));
+    if (!value.empty()) text += fmt::format("  {}: {}\n", key, quoted_yaml(value.string()));
   };
   add("certificate", security.certificate);
   add("key", security.key);
@@ -92,9 +80,9 @@ std::string security_yaml(const server::ListenPolicy::Options& security,
 std::string yaml_of(const ServeArguments& arguments) {
   std::string text = security_yaml(arguments.security, arguments.audit);
   if (arguments.has_no_system_state) text += "system_state: false\n";
-  text += "servers:\n  - name: " + quoted(arguments.name) + "\n";
+  text += "servers:\n  - name: " + quoted_yaml(arguments.name) + "\n";
   const auto add = [&text](const char* key, const std::string& value) {
-    if (!value.empty()) text += fmt::format("    {}: {}\n", key, quoted(value));
+    if (!value.empty()) text += fmt::format("    {}: {}\n", key, quoted_yaml(value));
   };
   add("store", arguments.store);
   add("mode", arguments.mode);
@@ -103,41 +91,11 @@ std::string yaml_of(const ServeArguments& arguments) {
   add("preset", arguments.preset);
   add("prior", arguments.prior);
   if (!arguments.bytes.empty())
-    text += fmt::format("    working_memory: {{bytes: {}}}\n", quoted(arguments.bytes));
-  if (!arguments.listen.empty()) text += "    listen: " + quoted(arguments.listen) + "\n";
-  if (!arguments.memories.empty()) text += "    memories: " + quoted(arguments.memories) + "\n";
+    text += fmt::format("    working_memory: {{bytes: {}}}\n", quoted_yaml(arguments.bytes));
+  if (!arguments.listen.empty()) text += "    listen: " + quoted_yaml(arguments.listen) + "\n";
+  if (!arguments.memories.empty())
+    text += "    memories: " + quoted_yaml(arguments.memories) + "\n";
   return text;
-}
-
-Json served_json(const Robot& robot) {
-  Json servers = Json::array();
-  for (const Robot::ServerSummary& served : robot.servers())
-    servers.push_back({{"server", served.name},
-                       {"memories", served.memories},
-                       {"endpoints", served.endpoints},
-                       {"store", served.store.string()}});
-  return {{"servers", std::move(servers)}, {"names", robot.names()}};
-}
-
-void tell_served(const Robot& robot, bool is_json) {
-  if (is_json) {
-    print_now(printable_json(served_json(robot).dump()));
-    return;
-  }
-  if (!robot.names().empty())
-    print_now(fmt::format("Name system listens at {}", fmt::join(robot.names(), ", ")));
-  for (const Robot::ServerSummary& served : robot.servers())
-    print_now(fmt::format(
-        "Server {} listens at {}: {}, {}", served.name, fmt::join(served.endpoints, ", "),
-        memories_text(served.memories),
-        served.store.empty() ? "no store" : fmt::format("store {}", served.store.string())));
-}
-
-void wait_for_the_end() {
-  Mutex mutex;  // `wake` needs a mutex; this one guards nothing.
-  StoppableCondition wake;
-  const MutexLock lock(mutex);
-  wake.wait(mutex, interrupt_token(), [] { return false; });
 }
 
 /// Logs how a server stopped. Returns false if data is lost.
@@ -183,9 +141,10 @@ ExitCode serve(const ServeArguments& arguments) {
 }
 
 ExitCode serve_names(const ServeArguments& arguments) {
-  const auto config = server::parse_robot_config(
-      security_yaml(arguments.security, "") + "names: {listen: " + quoted(arguments.listen) + "}",
-      "arguments", "");
+  const auto config =
+      server::parse_robot_config(security_yaml(arguments.security, "") +
+                                     "names: {listen: " + quoted_yaml(arguments.listen) + "}",
+                                 "arguments", "");
   if (!config.ok()) return wrong_usage(config.status());
   return run_robot(*config, arguments.is_json);
 }

@@ -7,6 +7,7 @@ namespace engram::cli {
 
 void add_server_commands(CLI::App& app, ExitCode& exit_code) {
   add_serve_command(app, exit_code);
+  add_replay_command(app, exit_code);
   add_mns_command(app, exit_code);
   add_commit_command(app, exit_code);
   add_watch_command(app, exit_code);

@@ -6,6 +6,7 @@
 namespace engram::cli {
 
 void add_serve_command(CLI::App& app, ExitCode& exit_code);
+void add_replay_command(CLI::App& app, ExitCode& exit_code);
 void add_mns_command(CLI::App& app, ExitCode& exit_code);
 void add_commit_command(CLI::App& app, ExitCode& exit_code);
 void add_watch_command(CLI::App& app, ExitCode& exit_code);

@@ -6,6 +6,7 @@
 set(ENGRAM_PUBLIC_ROOTS
   # The front door, and servers by name.
   memory/memory.h
+  memory/replay_control.h
   server/client/memory_client.h
   # What generated code includes (ltm/idf/generate_cpp.cpp).
   ltm/typed/convert.h

@@ -11,6 +11,7 @@
 #include "memory/live/memory_service.h"
 #include "memory/memory.h"
 #include "memory/model_loader.h"
+#include "memory/replay/replay.h"
 
 namespace engram {
 
@@ -142,11 +143,19 @@ class ReadMemory final : public Memory {
   const ltm::Recall::Options options_;
 };
 
-/// A store with a working memory above it, in this process.
-class WrittenMemory final : public Memory {
+/// A store with a working memory above it, in this process: one that is written to, or a replay.
+class LiveMemory final : public Memory {
  public:
-  explicit WrittenMemory(std::unique_ptr<memory::MemoryService> service)
-      : service_(std::move(service)) {}
+  explicit LiveMemory(std::unique_ptr<memory::MemoryService> service)
+      : service_(std::move(service)) {
+    service_->tell_of_below(
+        {.is_wanted =
+             [hub = hub_](const ltm::MemoryId& entity) {
+               return hub->listeners(entity) != nullptr;
+             },
+         .publish =
+             [hub = hub_](std::span<const ltm::SharedSnapshot> told) { publish(*hub, told); }});
+  }
 
   Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
@@ -161,9 +170,7 @@ class WrittenMemory final : public Memory {
         const ltm::Admission admission,
         service_->commit(commit, {}, is_journal ? Durability::kJournal : Durability::kMemory));
     // Subscribers are told before the commit is durable: they need not wait for the disk.
-    hub_->publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
-      return std::make_shared<memory::CommitEvent>(snapshot);
-    });
+    publish(*hub_, admission.snapshots);
     return is_journal ? service_->wait_stored(admission) : Status();
   }
 
@@ -197,6 +204,10 @@ class WrittenMemory final : public Memory {
   Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity,
                                          std::optional<Time> time) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
+    if (!service_->options().store)
+      return failed_precondition(
+          "memory '{}': a replay does not explain saliency; open its store instead",
+          service_->options().name);
     return ltm::why_salient(service_->options().store->store, model_loader(), entity, time);
   }
 
@@ -219,6 +230,12 @@ class WrittenMemory final : public Memory {
     return service_->predict(entity, request_of(horizons, options));
   }
 
+  static void publish(memory::EventHub& hub, std::span<const ltm::SharedSnapshot> told) {
+    hub.publish(told, [](const ltm::SharedSnapshot& snapshot) {
+      return std::make_shared<memory::CommitEvent>(snapshot);
+    });
+  }
+
   [[nodiscard]] Status check_open() const {
     if (!is_closed_) return {};
     return failed_precondition("memory '{}': is closed", service_->options().name);
@@ -228,6 +245,10 @@ class WrittenMemory final : public Memory {
   const std::shared_ptr<memory::EventHub> hub_ = std::make_shared<memory::EventHub>();
   std::atomic<bool> is_closed_{false};
 };
+
+std::string name_of(const std::filesystem::path& store) {
+  return store.filename().string().empty() ? store.string() : store.filename().string();
+}
 
 Result<std::unique_ptr<Memory>> open_to_read(const std::filesystem::path& store,
                                              const OpenOptions& options) {
@@ -249,7 +270,7 @@ Result<std::unique_ptr<Memory>> Memory::open(const std::filesystem::path& store,
                                              const OpenOptions& options) {
   if (options.is_read_only) return open_to_read(store, options);
   memory::MemoryService::Options service;
-  service.name = store.filename().string().empty() ? store.string() : store.filename().string();
+  service.name = name_of(store);
   service.memory.all.bytes = options.max_working_bytes;
   service.max_horizon = options.max_horizon;
   memory::LongTerm::Options& kept = service.store.emplace();
@@ -259,7 +280,19 @@ Result<std::unique_ptr<Memory>> Memory::open(const std::filesystem::path& store,
     ENGRAM_ASSIGN_OR_RETURN(kept.recording, ltm::read_recording_config(options.recording_config));
   }
   ENGRAM_ASSIGN_OR_RETURN(auto opened, memory::MemoryService::open(service, model_loader()));
-  return std::unique_ptr<Memory>(std::make_unique<WrittenMemory>(std::move(opened)));
+  return std::unique_ptr<Memory>(std::make_unique<LiveMemory>(std::move(opened)));
+}
+
+Result<std::unique_ptr<Memory>> Memory::replay(const std::filesystem::path& store,
+                                               const ReplayOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto replay,
+                          memory::Replay::open({store}, model_loader(), options));
+  memory::MemoryService::Options service;
+  service.name = name_of(store);
+  service.memory.mode = ltm::StoreMode::kLatest;
+  service.below = replay->below(0);
+  ENGRAM_ASSIGN_OR_RETURN(auto opened, memory::MemoryService::open(service, nullptr));
+  return std::unique_ptr<Memory>(std::make_unique<LiveMemory>(std::move(opened)));
 }
 
 }  // namespace engram

@@ -19,6 +19,7 @@
 #include "ltm/prediction/engine_choice.h"
 #include "ltm/saliency/salient_moment.h"
 #include "memory/live/subscription.h"
+#include "memory/replay/replay_options.h"
 
 namespace engram {
 
@@ -108,6 +109,16 @@ class Memory {
   /// this program was built without servers.
   static Result<std::unique_ptr<Memory>> connect(const std::string& endpoint = {},
                                                  const ConnectOptions& options = {});
+
+  /// Opens a store as the memory that it was at a moment, on a clock of its own. Whoever asks it is
+  /// answered as it was then, `latest` and predictions included; whoever subscribes is told what
+  /// came, in the recorded order. What is committed is there until the replay jumps to a moment
+  /// before it, or is closed; nothing is written to the store. memory/replay_control.h controls it.
+  /// Errors: kInvalidArgument where `options.at` lies before the first snapshot, where the store
+  /// has none, or for options that do not validate; kNotFound where there is no store; kDataLoss.
+  /// Source: docs/replay.md.
+  static Result<std::unique_ptr<Memory>> replay(const std::filesystem::path& store,
+                                                const ReplayOptions& options);
 
   /// Closes the memory. An error of closing is logged.
   virtual ~Memory() = default;

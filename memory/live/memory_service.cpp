@@ -16,6 +16,9 @@ using ltm::MemoryId;
 Status MemoryService::Options::validate() const {
   if (name.empty()) return invalid_argument("server: found an empty name, needs one");
   ENGRAM_RETURN_IF_ERROR(memory.validate());
+  if (store && below)
+    return invalid_argument("server '{}': found a store and a past in place of one, needs one",
+                            name);
   if (!store && memory.mode != ltm::StoreMode::kLatest)
     return invalid_argument(
         "server '{}': found no store, needs one for what leaves working memory, or a memory that "
@@ -37,8 +40,12 @@ MemoryService::~MemoryService() {
 Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& options,
                                                            ltm::ModelLoader loader, Clock clock) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
+  if (options.below) clock = options.below->clock();
   auto state = std::make_unique<State>(options, clock);
-  ENGRAM_ASSIGN_OR_RETURN(state->memory, ltm::WorkingMemory::create(options.memory, clock));
+  ltm::WorkingMemory::Options held = options.memory;
+  // Programs stamp with clocks of their own, which know nothing of one that was set.
+  if (options.below) held.ahead = {.all = ltm::AheadLimits::kNone, .parts = {}};
+  ENGRAM_ASSIGN_OR_RETURN(state->memory, ltm::WorkingMemory::create(held, clock));
   ENGRAM_RETURN_IF_ERROR(state->open_past(std::move(loader)));
   State& running = *state;
   state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
@@ -72,18 +79,26 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
   for (const ltm::EntityUpdate& update : commit.updates)
     ENGRAM_RETURN_IF_ERROR(owns(update.entity));
   ENGRAM_RETURN_IF_ERROR(state_->room->admit(commit));
+  PastBelow* const below = state_->options.below.get();
+  if (below != nullptr) ENGRAM_RETURN_IF_ERROR(below->check(commit));
   // Ahead of working memory, from which queries, subscribers, predictions and the store get it.
   ltm::WorkingMemory::Change redaction;
   if (state_->redactor)
     redaction = [this](ltm::Commit& cast, std::vector<std::vector<Buffer>>& bytes) {
       redact(*state_->redactor, cast, bytes);
     };
-  return state_->memory->admit(std::move(commit), std::move(encoded),
-                               durability == Durability::kJournal, redaction);
+  auto admission = state_->memory->admit(std::move(commit), std::move(encoded),
+                                         durability == Durability::kJournal, redaction);
+  if (below != nullptr && admission.ok()) below->admitted(*admission);
+  return admission;
 }
 
 void MemoryService::when_stored(const ltm::Admission& admission,
                                 std::function<void(const Status&)> done) {
+  if (state_->options.below) {
+    done({});  // It ends with the process, and programs must not notice.
+    return;
+  }
   if (!state_->store) {
     done(failed_precondition("server '{}' has no store to make commits durable",
                              state_->options.name));
@@ -118,6 +133,11 @@ bool MemoryService::may_redact_in(std::string_view memory) const {
 
 Result<ForgetOutcome> MemoryService::forget(ForgetRequest request) {
   State& state = *state_;
+  if (state.options.below)
+    return failed_precondition(
+        "server '{}': is a replay, which changes nothing of what was recorded; forget from the "
+        "store itself",
+        state.options.name);
   if (state.is_forgetting.exchange(true))
     return failed_precondition("server '{}' is forgetting already: ask again when it has ended",
                                state.options.name);
@@ -145,7 +165,8 @@ MemoryService::Counters MemoryService::counters() const {
   if (state_->redactor) counters.redaction = state_->redactor->counters();
   counters.memory = state_->memory->counters();
   if (state_->store) counters.store = state_->store->counters();
-  if (state_->past->store() != nullptr) counters.reading = state_->past->store()->counters();
+  if (state_->past != nullptr && state_->past->store() != nullptr)
+    counters.reading = state_->past->store()->counters();
   counters.queries = state_->queries;
   counters.queries_of_store = state_->queries_of_store;
   counters.predictions = state_->counts_of_predictions;
@@ -159,9 +180,14 @@ Status MemoryService::set_limits(const ltm::MemoryLimits& all) {
   return state_->memory->set_limits(all);
 }
 
+void MemoryService::tell_of_below(PastListener listener) {
+  if (state_->options.below) state_->options.below->tell(std::move(listener));
+}
+
 Status MemoryService::close() {
   State& state = *state_;
   if (state.is_closed.exchange(true)) return {};
+  if (state.options.below) state.options.below->detach();
   state.stop_forgetting();
   state.thread.request_stop();
   state.thread.join();

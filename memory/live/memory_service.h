@@ -13,6 +13,7 @@
 #include "ltm/working/working_memory.h"
 #include "memory/live/live_forgetting.h"
 #include "memory/live/long_term.h"
+#include "memory/live/past_below.h"
 
 namespace engram::memory {
 
@@ -31,6 +32,8 @@ class MemoryService {
     ltm::WorkingMemory::Options memory;
     /// Without a store, what leaves working memory is lost; this needs ltm::StoreMode::kLatest.
     std::optional<LongTerm::Options> store;
+    /// In place of a store: a past that nobody adds to. Its clock is that of the service.
+    std::shared_ptr<PastBelow> below{};
     /// How often waiting snapshots are handed over. Durable commits do not wait for it.
     Duration store_interval = std::chrono::milliseconds(200);
     /// Max number of entities that the memory knows, those of the store included: each costs RAM as
@@ -149,6 +152,9 @@ class MemoryService {
 
   /// See ltm::WorkingMemory::set_limits.
   Status set_limits(const ltm::MemoryLimits& all);
+
+  /// Sets who is told of what happens in Options::below, see PastBelow::tell. Nothing without it.
+  void tell_of_below(PastListener listener);
 
   /// Hands everything over and seals the store. Commits are refused from then on.
   /// Errors: those of the store, with the number of snapshots that could not be handed over.

@@ -34,6 +34,7 @@ ltm::RecalledEntity recalled(ltm::SelectedEntity& selected, bool is_ids_only) {
 
 void MemoryService::State::count_answer(const ltm::Answer& answer) {
   if (answer.is_ids_only) return;
+  if (options.below) options.below->answered(answer);
   for (const ltm::RecalledEntity& entity : answer.entities) {
     size_t held = 0;
     for (const ltm::RecalledSnapshot& snapshot : entity.snapshots) {
@@ -53,6 +54,8 @@ std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, 
                                                        const ltm::View* view) {
   if (query.has_conditions()) return std::nullopt;
   State& state = *state_;
+  // What lies below has to be looked at, whatever is here.
+  if (state.options.below) return std::nullopt;
   ltm::Answer answer{query.is_ids_only(), {}};
   auto selected = state.memory->select(query, state.elsewhere());
   size_t bytes = 0;

@@ -170,6 +170,15 @@ Status MemoryService::State::open_past(ltm::ModelLoader loader) {
   }
   room.emplace(options.name, options.max_entities, *memory, *recorded);
   recalling_options.max_horizon = options.max_horizon;
+  if (options.below) {
+    const ltm::SegmentTypes types = options.below->types();
+    for (const auto& [segment, type] : types.all())
+      ENGRAM_RETURN_IF_ERROR(memory->declare(segment, type));
+    auto below = options.below->attach("server '" + options.name + "'", *memory);
+    const MutexLock lock(recalling);
+    recall.emplace(std::move(below));
+    return {};
+  }
   auto joined = ltm::JoinedPast::create("server '" + options.name + "'", *memory, std::move(stored),
                                         *recorded);
   past = joined.get();

@@ -48,7 +48,8 @@ struct MemoryService::State {
   std::unique_ptr<LongTerm> store;          ///< Null without a store.
   Mutex recalling;                          ///< Held while `recall` answers: one query at a time.
   std::optional<ltm::Recall> recall ENGRAM_GUARDED_BY(recalling);
-  const ltm::JoinedPast* past = nullptr;  ///< The past that `recall` answers from.
+  /// The past that `recall` answers from; null if it is Options::below.
+  const ltm::JoinedPast* past = nullptr;
   ltm::Recall::Options recalling_options;
   ltm::RecordedEntities nothing_recorded;  ///< Stands in for LongTerm::recorded() without a store.
 

@@ -48,6 +48,12 @@ std::unique_ptr<FrontDoor> FrontDoor::connect(const std::string& endpoint,
       new FrontDoor(made([&] { return Memory::connect(endpoint, options); })));
 }
 
+std::unique_ptr<FrontDoor> FrontDoor::replay(const std::string& store,
+                                             const ReplayOptions& options) {
+  return std::unique_ptr<FrontDoor>(
+      new FrontDoor(made([&] { return Memory::replay(store, options); })));
+}
+
 FrontDoor::~FrontDoor() {
   if (process_ != ::getpid()) {
     // A forked process lacks the threads that closing would wait for, so the memory is leaked.

@@ -32,6 +32,9 @@ class FrontDoor {
   static std::unique_ptr<FrontDoor> connect(const std::string& endpoint,
                                             const ConnectOptions& options);
 
+  /// Opens a store as the memory that it was at a moment.
+  static std::unique_ptr<FrontDoor> replay(const std::string& store, const ReplayOptions& options);
+
   FrontDoor(const FrontDoor&) = delete;
   FrontDoor& operator=(const FrontDoor&) = delete;
   ~FrontDoor();

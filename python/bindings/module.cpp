@@ -45,6 +45,15 @@ std::unique_ptr<FrontDoor> connect_door(const std::string& endpoint, const std::
   return FrontDoor::connect(endpoint, options);
 }
 
+std::unique_ptr<FrontDoor> replay_door(const std::string& store, std::optional<int64_t> at,
+                                       double speed, bool is_paused,
+                                       std::optional<std::pair<int64_t, int64_t>> loop) {
+  engram::ReplayOptions options{.speed = speed, .is_paused = is_paused};
+  if (at) options.at = engram::time_from_ns(*at);
+  if (loop) options.loop = {engram::time_from_ns(loop->first), engram::time_from_ns(loop->second)};
+  return FrontDoor::replay(store, options);
+}
+
 std::unique_ptr<Watch> watch(FrontDoor& door, std::vector<std::string> names, bool with_data,
                              size_t inline_bytes, size_t queue_bound) {
   return door.watch({std::move(names), with_data, inline_bytes, queue_bound});
@@ -61,6 +70,7 @@ void define_front_door(py::module_& module) {
   bind_similar(door);
   door.def_static("open", &open_door)
       .def_static("connect", &connect_door)
+      .def_static("replay", &replay_door)
       .def("entities", &FrontDoor::entities)
       .def("summary", &FrontDoor::summary)
       .def("span", &FrontDoor::span)

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
     from engram.recording import Recorder, Update, record
+    from engram.replaying import Replaying, ReplayState, replay
     from engram.saliency import Salient, SalientPart
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
     from engram.watching import Event, Watch
@@ -55,6 +56,8 @@ _PLACES = {
     "Prediction": "engram.model",
     "Progress": "engram.progress",
     "Recorder": "engram.recording",
+    "ReplayState": "engram.replaying",
+    "Replaying": "engram.replaying",
     "Salient": "engram.saliency",
     "SalientPart": "engram.saliency",
     "Similar": "engram.likeness",
@@ -69,6 +72,7 @@ _PLACES = {
     "open": "engram.memory",
     "record": "engram.recording",
     "reflect": "engram.jobs",
+    "replay": "engram.replaying",
 }
 
 __all__ = [
@@ -86,6 +90,8 @@ __all__ = [
     "Prediction",
     "Progress",
     "Recorder",
+    "ReplayState",
+    "Replaying",
     "Salient",
     "SalientPart",
     "Similar",
@@ -100,6 +106,7 @@ __all__ = [
     "open",
     "record",
     "reflect",
+    "replay",
 ]
 
 # OpenMP reads it when it is loaded: its threads spin only shortly where they wait, else they starve

@@ -17,6 +17,7 @@ from engram.idf.typed import TypedObject
 from engram.idf.types import Type
 from engram.model import Model
 from engram.recording import Update, dict_of
+from engram.replaying import Replaying
 from engram.snapshot import Snapshot, snapshot_of
 from engram.times import DurationLike, TimeLike, duration_ns
 from engram.watching import Watch
@@ -146,6 +147,11 @@ class Memory(Closing):
             [text_of("name", one) for one in patterns], bool(data), max_bytes, queue
         )
         return Watch(told, timeout)
+
+    @property
+    def replaying(self) -> Replaying:
+        """Controls the replay that this memory is: of engram.replay, or of `engram replay`."""
+        return Replaying(self)
 
     def models(self) -> list[Model]:
         """All models, older ones first. Of a server FailedPreconditionError: its files have them."""

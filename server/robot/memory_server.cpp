@@ -60,6 +60,14 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
   ENGRAM_RETURN_IF_ERROR(state->context->audited(
       "", "serve", fmt::format("{}", fmt::join(state->server->endpoints(), " ")), {}));
+  RpcContext& context = *state->context;
+  state->service->tell_of_below(
+      {.is_wanted =
+           [&context](const ltm::MemoryId& entity) {
+             return context.hub.listeners(entity) != nullptr;
+           },
+       .publish =
+           [&context](std::span<const ltm::SharedSnapshot> told) { publish(context, told); }});
   auto server = std::unique_ptr<MemoryServer>(new MemoryServer(std::move(state)));
   if (names != nullptr)
     server->state_->registrar = std::make_unique<Registrar>(*names, server->registration());
@@ -86,7 +94,7 @@ Registration MemoryServer::registration() const {
 Status MemoryServer::commit(ltm::Commit commit) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Admission admission,
                           state_->service->commit(std::move(commit)));
-  publish(*state_->context, admission);
+  publish(*state_->context, admission.snapshots);
   return {};
 }
 

@@ -249,8 +249,8 @@ std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context) {
   return std::make_unique<MemoryRpc>(context);
 }
 
-void publish(RpcContext& context, const ltm::Admission& admission) {
-  context.hub.publish(admission.snapshots, [](const ltm::SharedSnapshot& snapshot) {
+void publish(RpcContext& context, std::span<const ltm::SharedSnapshot> snapshots) {
+  context.hub.publish(snapshots, [](const ltm::SharedSnapshot& snapshot) {
     return std::make_shared<WireEvent>(snapshot);
   });
 }

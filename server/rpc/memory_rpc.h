@@ -4,6 +4,7 @@
 #include <grpcpp/impl/service_type.h>
 
 #include <memory>
+#include <span>
 
 #include "server/rpc/rpc_context.h"
 
@@ -13,7 +14,7 @@ namespace engram::server {
 /// Source: docs/wire.md.
 [[nodiscard]] std::unique_ptr<grpc::Service> make_memory_rpc(RpcContext& context);
 
-/// Notifies subscribers of a commit that did not arrive over a stream.
-void publish(RpcContext& context, const ltm::Admission& admission);
+/// Notifies subscribers of snapshots that did not arrive over a stream.
+void publish(RpcContext& context, std::span<const ltm::SharedSnapshot> snapshots);
 
 }  // namespace engram::server

@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "memory/replay/replay.h"
+
+#include <algorithm>
+#include <atomic>
+#include <thread>
+
+#include "ltm/core/log.h"
+#include "ltm/core/mutex.h"
+#include "memory/replay/replay_clock.h"
+#include "memory/replay/replay_part.h"
+
+namespace engram::memory {
+
+namespace {
+
+/// How much is done before others get their turn.
+constexpr size_t kEntitiesAtOnce = 64;
+constexpr int kArrivalsAtOnce = 64;
+/// How often the clock is told of while it goes, and the longest that the thread sleeps.
+constexpr auto kBetweenStates = std::chrono::seconds(1);
+
+}  // namespace
+
+struct Replay::State {
+  explicit State(const ReplayOptions& options)
+      : clock(options.at.value_or(Time::min()), options.speed) {
+    clock.set_loop(options.loop);
+  }
+
+  ReplayClock clock;
+  std::vector<std::unique_ptr<ReplayPart>> parts;
+  std::optional<Time> first, last;
+
+  /// Held by who goes on in the recorded order, or sets the clock.
+  mutable Mutex going;
+  Mutex waking;
+  StoppableCondition wake;
+  bool has_changed ENGRAM_GUARDED_BY(waking) = false;
+  std::atomic<size_t> teller{SIZE_MAX};  ///< The part that is committed what the replay says.
+
+  std::atomic<uint64_t> told{0}, unreadable{0}, scored{0}, bounded{0}, within_bound{0};
+  std::jthread thread;  ///< The last member, so it ends first.
+
+  void notify() {
+    {
+      const MutexLock lock(waking);
+      has_changed = true;
+    }
+    wake.notify_one();
+  }
+
+  [[nodiscard]] Status check_moment(Time time) const {
+    if (time >= *first) return {};
+    return invalid_argument("replay: found {}, which lies before the first snapshot at {}",
+                            to_string(time), to_string(*first));
+  }
+
+  void jump(Time to) ENGRAM_REQUIRES(going) {
+    clock.jump(to);
+    for (const auto& part : parts) {
+      part->rewind(to);
+      part->restart(to);
+    }
+  }
+
+  /// Whether all parts know where they go on.
+  bool prepare(size_t max) ENGRAM_REQUIRES(going) {
+    return std::ranges::all_of(parts, [max](const auto& part) { return part->prepare(max); });
+  }
+
+  /// The part whose next snapshot arrived first; null behind the last. Needs prepared parts.
+  ReplayPart* next() ENGRAM_REQUIRES(going) {
+    ReplayPart* first_one = nullptr;
+    for (const auto& part : parts)
+      if (part->next() && (first_one == nullptr || *part->next() < *first_one->next()))
+        first_one = part.get();
+    return first_one;
+  }
+
+  void pass(ReplayPart& part) ENGRAM_REQUIRES(going) {
+    const ReplayPart::Passed passed = part.pass();
+    told += passed.snapshots;
+    unreadable += passed.unreadable;
+  }
+
+  /// Passes what had arrived at `now`, and is told of all parts' next snapshots.
+  ReplayPart* next_after(Time now) ENGRAM_REQUIRES(going) {
+    for (;;) {
+      if (!prepare(SIZE_MAX)) continue;  // A store was replaced meanwhile.
+      ReplayPart* const part = next();
+      if (part == nullptr || *part->next() > now) return part;
+      pass(*part);
+    }
+  }
+
+  Status step() ENGRAM_REQUIRES(going) {
+    clock.set_playing(false);
+    const Time now = clock.now();
+    ReplayPart* const part = next_after(now);
+    if (part == nullptr) return not_found("replay: nothing was recorded after {}", to_string(now));
+    const Time arrived = *part->next();
+    clock.advance(arrived);
+    next_after(arrived);
+    return {};
+  }
+
+  void score() ENGRAM_REQUIRES(going) {
+    const Time now = clock.now();
+    for (const auto& part : parts) tell_scores(part->score(now), now);
+  }
+
+  void tell_scores(const std::vector<PredictionScore>& scores, Time now) {
+    std::map<ltm::MemoryId, ltm::Snapshot> updates;
+    for (const PredictionScore& score : scores) {
+      ++scored;
+      bounded += score.has_bound() ? 1 : 0;
+      within_bound += score.has_bound() && score.is_within_bound() ? 1 : 0;
+      const ltm::MemoryId entity = replay_score_entity(score.entity);
+      ltm::Snapshot& update =
+          updates.try_emplace(entity, ltm::Snapshot{entity, now, {}}).first->second;
+      update.instances.push_back(
+          {score.to_data(), {.created = now, .sent = now, .provider = "engram"}});
+    }
+    ltm::Commit commit;
+    for (auto& [entity, update] : updates) commit.updates.push_back(std::move(update));
+    tell(std::move(commit));
+  }
+
+  void tell(ltm::Commit commit) {
+    const size_t part = teller;
+    if (part < parts.size() && !commit.updates.empty()) parts[part]->commit(std::move(commit));
+  }
+
+  void tell_state() {
+    const ReplayState now = state();
+    tell({{{replay_clock_entity(),
+            now.now,
+            {{now.to_data(), {.created = now.now, .sent = now.now, .provider = "engram"}}}}}});
+  }
+
+  [[nodiscard]] ReplayState state() const {
+    const ReplayClock::Course course = clock.course();
+    ReplayState state;
+    for (const auto& part : parts) {
+      state.stores.push_back(part->store().string());
+      state.unscored += part->predictions().unscored();
+    }
+    state.now = course.now;
+    state.speed = course.speed;
+    state.is_playing = course.is_playing;
+    state.loop = course.loop;
+    state.first = *first;
+    state.last = *last;
+    state.jumps = course.jumps;
+    state.told = told;
+    state.unreadable = unreadable;
+    state.scored = scored;
+    state.bounded = bounded;
+    state.within_bound = within_bound;
+    return state;
+  }
+
+  /// Tells what the clock has passed. Returns how long nothing is to be done.
+  Duration go_on() ENGRAM_EXCLUDES(going) {
+    const MutexLock lock(going);
+    const ReplayClock::Course course = clock.course();
+    if (!prepare(kEntitiesAtOnce)) return Duration(0);
+    for (int i = 0; i < kArrivalsAtOnce; ++i) {
+      ReplayPart* const part = next();
+      if (part == nullptr || *part->next() > course.now) break;
+      pass(*part);
+      // The store was replaced meanwhile.
+      if (!prepare(kEntitiesAtOnce)) return Duration(0);
+    }
+    score();
+    ReplayPart* const part = next();
+    Duration wait = kBetweenStates;
+    if (part != nullptr) wait = std::min(wait, clock.until(*part->next()));
+    if (wait == Duration(0) || !course.loop || !course.is_playing) return wait;
+    if (course.now < course.loop->last) return std::min(wait, clock.until(course.loop->last));
+    if (course.now == course.loop->last) jump(course.loop->first);
+    return course.now == course.loop->last ? Duration(0) : wait;
+  }
+
+  void run(const std::stop_token& stop) {
+    SteadyTime told_at = steady_now() - kBetweenStates;
+    while (!stop.stop_requested()) {
+      const uint64_t jumps = clock.course().jumps;
+      const Duration wait = go_on();
+      const bool is_due = clock.course().is_playing && steady_now() - told_at >= kBetweenStates;
+      if (is_due || clock.course().jumps != jumps) {
+        tell_state();
+        told_at = steady_now();
+      }
+      if (wait == Duration(0)) continue;
+      const MutexLock lock(waking);
+      wake.wait_for(waking, stop, wait, [this]() ENGRAM_REQUIRES(waking) { return has_changed; });
+      has_changed = false;
+    }
+  }
+};
+
+/// The past below one service.
+class Replay::Below final : public PastBelow {
+ public:
+  Below(std::shared_ptr<Replay> replay, size_t part, bool tells)
+      : replay_(std::move(replay)),
+        part_(*replay_->state_->parts.at(part)),
+        number_(part),
+        tells_(tells) {}
+
+  [[nodiscard]] Clock clock() const override {
+    // Held by the parts of a service, which this outlives.
+    return [state = replay_->state_.get()] { return state->clock.now(); };
+  }
+  [[nodiscard]] ltm::SegmentTypes types() const override { return part_.types(); }
+
+  std::unique_ptr<ltm::KnownPast> attach(const std::string& name,
+                                         ltm::WorkingMemory& above) override {
+    auto past = part_.attach(name, above);
+    if (tells_) {
+      replay_->state_->teller = number_;
+      replay_->state_->tell_state();
+    }
+    return past;
+  }
+  void detach() override {
+    if (tells_) replay_->state_->teller = SIZE_MAX;
+    part_.detach();
+  }
+  void tell(PastListener listener) override { part_.tell(std::move(listener)); }
+
+  Status check(const ltm::Commit& commit) override {
+    const auto is_control = [](const ltm::EntityUpdate& update) {
+      return update.entity == replay_control_entity();
+    };
+    if (!tells_ || std::ranges::none_of(commit.updates, is_control)) return {};
+    if (commit.updates.size() != 1 || commit.updates.front().instances.size() != 1)
+      return invalid_argument("'{}': found {} updates in a commit, needs one command alone",
+                              replay_control_entity().to_string(), commit.updates.size());
+    ENGRAM_ASSIGN_OR_RETURN(const ReplayCommand command,
+                            ReplayCommand::from_data(commit.updates[0].instances[0].data));
+    return replay_->obey(command);
+  }
+
+  void admitted(const ltm::Admission& admission) override {
+    part_.take_back_later(admission.snapshots);
+  }
+  void answered(const ltm::Answer& answer) override { part_.predictions().add(answer); }
+
+ private:
+  const std::shared_ptr<Replay> replay_;
+  ReplayPart& part_;
+  const size_t number_;
+  const bool tells_;
+};
+
+Replay::Replay(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Replay::~Replay() = default;
+
+Result<std::shared_ptr<Replay>> Replay::open(const std::vector<std::filesystem::path>& stores,
+                                             ltm::ModelLoader loader,
+                                             const ReplayOptions& options) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  if (stores.empty()) return invalid_argument("replay: found no store, needs one");
+  auto state = std::make_unique<State>(options);
+  State& running = *state;
+  for (const std::filesystem::path& store : stores) {
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto part, ReplayPart::open(store, loader, [&running] { return running.clock.now(); }));
+    if (part->first()) {
+      state->first = std::min(state->first.value_or(*part->first()), *part->first());
+      state->last = std::max(state->last.value_or(*part->last()), *part->last());
+    }
+    state->parts.push_back(std::move(part));
+  }
+  if (!state->first)
+    return invalid_argument("replay of '{}': found no snapshot, needs one", stores[0].string());
+  state->clock.advance(options.at.value_or(*state->first));
+  ENGRAM_RETURN_IF_ERROR(state->check_moment(state->clock.now()));
+  for (const auto& part : state->parts) part->restart(state->clock.now());
+  if (options.loop) ENGRAM_RETURN_IF_ERROR(state->check_moment(options.loop->first));
+  state->clock.set_playing(!options.is_paused);
+  auto replay = std::shared_ptr<Replay>(new Replay(std::move(state)));
+  running.thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return replay;
+}
+
+std::shared_ptr<PastBelow> Replay::below(size_t store, bool tells_of_replay) {
+  return std::make_shared<Below>(shared_from_this(), store, tells_of_replay);
+}
+
+Status Replay::obey(const ReplayCommand& command) {
+  using Kind = ReplayCommand::Kind;
+  ENGRAM_RETURN_IF_ERROR(command.validate());
+  State& state = *state_;
+  if (command.kind == Kind::kSeek) ENGRAM_RETURN_IF_ERROR(state.check_moment(command.time));
+  if (command.kind == Kind::kLoop && command.loop)
+    ENGRAM_RETURN_IF_ERROR(state.check_moment(command.loop->first));
+  {
+    const MutexLock lock(state.going);
+    switch (command.kind) {
+      case Kind::kPlay:
+      case Kind::kPause:
+        state.clock.set_playing(command.kind == Kind::kPlay);
+        break;
+      case Kind::kStep:
+        ENGRAM_RETURN_IF_ERROR(state.step());
+        break;
+      case Kind::kSeek:
+        state.jump(command.time);
+        break;
+      case Kind::kSpeed:
+        state.clock.set_speed(command.speed);
+        break;
+      case Kind::kLoop:
+        state.clock.set_loop(command.loop);
+        // A loop that lies before is entered at its beginning.
+        if (command.loop && state.clock.now() > command.loop->last) state.jump(command.loop->first);
+        break;
+    }
+  }
+  state.tell_state();
+  state.notify();
+  return {};
+}
+
+ReplayState Replay::state() const {
+  return state_->state();
+}
+
+}  // namespace engram::memory
