@@ -10,6 +10,14 @@ namespace engram::ltm {
 
 namespace {
 
+/// When a snapshot counts as arrived.
+Time came_at(Time time, Time arrived) {
+  const auto low = static_cast<uint64_t>(to_ns(std::min(time, arrived)));
+  const auto high = static_cast<uint64_t>(to_ns(std::max(time, arrived)));
+  const auto max = static_cast<uint64_t>(EntityArrivals::kMaxDelay.count());
+  return high - low > max ? time : arrived;
+}
+
 /// A past in a list of some of its moments.
 class ArrivedPast final : public EntityPast {
  public:
@@ -71,9 +79,10 @@ Result<std::shared_ptr<const EntityArrivals>> EntityArrivals::read(StoreReader& 
     const auto came = store.arrived(entity, entry);
     if (!came.ok() && came.status().code() != StatusCode::kDataLoss) return came.status();
     times.push_back(entry.time);
-    arrived.push_back(came.ok() ? *came : entry.time);
+    arrived.push_back(came.ok() ? came_at(entry.time, *came) : entry.time);
     return {};
   }));
+  if (times == arrived) return std::make_shared<const EntityArrivals>();
   return std::make_shared<const EntityArrivals>(std::move(times), std::move(arrived));
 }
 

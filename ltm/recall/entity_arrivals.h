@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <compare>
 #include <cstdint>
 #include <memory>
@@ -31,6 +32,10 @@ struct Arrival {
 /// Source: docs/replay.md, "What was there when".
 class EntityArrivals {
  public:
+  /// What arrived further from its own time was not measured then but imported, as by a program
+  /// that stamps what it reads from files. It counts as arrived at its own time.
+  static constexpr Duration kMaxDelay = std::chrono::minutes(10);
+
   /// Reads the arrival of each snapshot that a store has of an entity. One whose arrival is damaged
   /// counts as arrived at its own time; who reads it is told of the damage.
   /// Errors: kNotFound, kUnavailable; kDataLoss if the times of snapshots are damaged.

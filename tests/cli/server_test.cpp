@@ -342,6 +342,46 @@ TEST_F(Server, NotesWhoAskedWhat) {
   EXPECT_THAT(cut.out, HasSubstr("line 3: record 2 is missing at the end"));
 }
 
+/// Programs of the robot find the replay where the robot was.
+TEST_F(Server, ReplaysAStoreAsTheMemoryThatItWas) {
+  std::string lines;
+  for (int i = 0; i < 20; ++i)
+    lines += fmt::format("{{\"entity\": \"{}\", \"time\": {}, \"data\": {{\"n\": {}}}}}\n", kCup,
+                         1'600'000'000'000'000'000 + i * 1'000'000'000LL, i);
+  write("lines.jsonl", lines);
+  const std::string store = path("robot.engram");
+  ASSERT_EQ(run_engram({"commit", "--db", store, "--lines", path("lines.jsonl")}).exit_code, 0);
+  const RunResult early = run_engram({"replay", store, "--at", "2001-01-01"});
+  EXPECT_EQ(early.exit_code, 1);
+  EXPECT_THAT(early.err, HasSubstr("lies before the first snapshot at 2020-09-13 12:26:40.000000"));
+  EXPECT_EQ(run_engram({"replay", store, "--speed", "0"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"replay", store, "--loop", "latest"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"replay"}).exit_code, 2);
+
+  // What arrived years after its time counts as imported.
+  RunningEngram replay({"replay", store, "--paused"});
+  ASSERT_TRUE(replay.wait_for("listens at " + at("engram.sock")));
+  const std::string socket = at("engram.sock");
+  RunningEngram watch({"watch", "Objects", "--count", "19"});
+  ASSERT_TRUE(watch.wait_for("watching"));
+  EXPECT_THAT(run_engram({"query", "Objects @ latest"}).out, HasSubstr("{\"n\":0}"));
+  const RunResult stepped = run_engram({"replay", "--server", socket, "step"});
+  EXPECT_EQ(stepped.exit_code, 0) << stepped.err;
+  EXPECT_EQ(run_engram({"replay", "--server", socket, "jump"}).exit_code, 2);
+  EXPECT_EQ(run_engram({"replay", "--server", socket, "seek", "2001-01-01"}).exit_code, 1);
+  while (run_engram({"replay", "--server", socket, "step"}).exit_code == 0) {
+  }
+  const RunResult watched = watch.end(0);
+  EXPECT_EQ(watched.exit_code, 0) << watched.err;
+  EXPECT_THAT(watched.out, HasSubstr("cup/2020-09-13 12:26:59.000000\n"));
+  const Json state = json_of(run_engram({"replay", "--server", socket, "status", "--json"}));
+  EXPECT_EQ(state.at("told"), 19);
+  EXPECT_EQ(state.at("is_playing"), false);
+  const RunResult latest = run_engram({"query", "Objects @ latest"});
+  EXPECT_THAT(latest.out, HasSubstr("{\"n\":19}"));
+  EXPECT_EQ(replay.end(SIGTERM).exit_code, 0);
+}
+
 TEST_F(Server, SaysWhatIsWrongWithArgumentsAndLines) {
   for (const char* command : {"serve", "mns", "commit", "watch"})
     EXPECT_THAT(run_engram({command, "--help"}).out, HasSubstr("Examples:")) << command;

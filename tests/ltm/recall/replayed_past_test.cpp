@@ -274,6 +274,23 @@ TEST(EntityArrivals, GoesThroughAllInTheOrderOfTheirArrival) {
   }
 }
 
+/// A recorder that is given old times stamps arrivals with the time at which it runs.
+TEST(ReplayedPast, TakesWhatArrivedYearsLaterForImported) {
+  const ScratchDirectory scratch;
+  std::vector<Snapshot> all;
+  for (int64_t i = 0; i < 10; ++i) {
+    const InstanceMetadata metadata{{}, {}, at_ms(1'000'000'000), "test", 1.0f};
+    all.push_back({example_entity(), at_ms(i * 100), {{idf::Dict{{"x", 1.0}}, metadata}}});
+  }
+  write(scratch / "all", all, 1);
+  Time now = at_ms(450);
+  const auto past = *ReplayedPast::open(scratch / "all", nullptr, [&now] { return now; });
+  const auto there = past->of(example_entity());
+  ASSERT_OK(there);
+  EXPECT_EQ(*(*there)->last(), at_ms(400));
+  EXPECT_TRUE((*past->arrivals(example_entity()))->is_in_time());
+}
+
 TEST(OverlaidPast, HasWhatWasCommittedOverWhatWasRecorded) {
   const ScratchDirectory scratch;
   std::mt19937 random(1);
