@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars age-bars saliency-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -64,6 +64,7 @@ help:
 	@echo "make recall-bars     how often likeness finds the same phase of a task elsewhere (BARS=options)"
 	@echo "make saliency-bars   what a tenth of the snapshots of kitchens still answers (RECORDINGS, BARS=options)"
 	@echo "make reflection-bars 200 faults in kitchens: how many are found, and false alarms (BARS=options)"
+	@echo "make replay-bars is a replay the memory that it was: bytes, leaks, order, seeks (BARS=options)"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
@@ -225,6 +226,11 @@ many-bars: build
 
 fade-bars: build
 	experiments/learning/fade_bars.py build/release/bin/engram "$(abspath $(RECORDINGS))" $(BARS)
+
+# Options: experiments/replay/replay_bars.py --help
+replay-bars: build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/replay/replay_bars.py \
+	  build/release/bin/engram build/release/python --json build/replay_bars.json $(BARS)
 
 # Options: experiments/reflection/reflection_bars.py --help
 reflection-bars: build

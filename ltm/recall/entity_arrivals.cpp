@@ -73,15 +73,14 @@ Result<std::shared_ptr<const EntityArrivals>> EntityArrivals::read(StoreReader& 
                                                                    const MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(const bool is_in_time, store.arrived_in_time(entity));
   if (is_in_time) return std::make_shared<const EntityArrivals>();
-  ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store.timeline(entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto snapshots, store.arrivals(entity));
   std::vector<Time> times, arrived;
-  ENGRAM_RETURN_IF_ERROR(timeline->for_each([&](const SnapshotEntry& entry) -> Status {
-    const auto came = store.arrived(entity, entry);
-    if (!came.ok() && came.status().code() != StatusCode::kDataLoss) return came.status();
-    times.push_back(entry.time);
-    arrived.push_back(came.ok() ? came_at(entry.time, *came) : entry.time);
-    return {};
-  }));
+  times.reserve(snapshots.size());
+  arrived.reserve(snapshots.size());
+  for (const ArrivedSnapshot& one : snapshots) {
+    times.push_back(one.time);
+    arrived.push_back(came_at(one.time, one.arrived));
+  }
   if (times == arrived) return std::make_shared<const EntityArrivals>();
   return std::make_shared<const EntityArrivals>(std::move(times), std::move(arrived));
 }

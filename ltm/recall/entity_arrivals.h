@@ -36,9 +36,8 @@ class EntityArrivals {
   /// that stamps what it reads from files. It counts as arrived at its own time.
   static constexpr Duration kMaxDelay = std::chrono::minutes(10);
 
-  /// Reads the arrival of each snapshot that a store has of an entity. One whose arrival is damaged
-  /// counts as arrived at its own time; who reads it is told of the damage.
-  /// Errors: kNotFound, kUnavailable; kDataLoss if the times of snapshots are damaged.
+  /// Reads the arrival of each snapshot that a store has of an entity.
+  /// Errors: those of StoreReader::arrivals.
   /// Complexity: O(snapshots), without reading any value; O(segments) if all arrived at their
   /// times.
   static Result<std::shared_ptr<const EntityArrivals>> read(StoreReader& store,

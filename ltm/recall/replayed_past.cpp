@@ -3,21 +3,45 @@
 
 namespace engram::ltm {
 
-ReplayedPast::ReplayedPast(std::unique_ptr<StorePast> store, Clock now)
-    : store_(std::move(store)), clock_(std::move(now)), now_(clock_()) {}
+std::shared_ptr<const EntityArrivals> KnownArrivals::find(const MemoryId& entity) const {
+  const SharedLock lock(mutex_);
+  const auto known = arrivals_.find(entity);
+  return known == arrivals_.end() ? nullptr : known->second;
+}
+
+void KnownArrivals::put(const MemoryId& entity, std::shared_ptr<const EntityArrivals> arrivals) {
+  const ExclusiveLock lock(mutex_);
+  arrivals_.insert_or_assign(entity, std::move(arrivals));
+}
+
+ReplayedPast::ReplayedPast(std::unique_ptr<StorePast> store, Clock now,
+                           std::shared_ptr<KnownArrivals> arrivals)
+    : store_(std::move(store)),
+      clock_(std::move(now)),
+      now_(clock_()),
+      arrivals_(std::move(arrivals)) {}
 
 Result<std::unique_ptr<ReplayedPast>> ReplayedPast::open(const std::filesystem::path& store,
-                                                         ModelLoader loader, Clock now) {
+                                                         ModelLoader loader, Clock now,
+                                                         ReplayedPast* beside) {
   constexpr size_t kMaxDecodedBytes = size_t{64} << 20;
   ENGRAM_ASSIGN_OR_RETURN(auto past, StorePast::open(store, std::move(loader),
                                                      {.max_decoded_bytes = kMaxDecodedBytes}));
-  return std::make_unique<ReplayedPast>(std::move(past), std::move(now));
+  auto arrivals = std::make_shared<KnownArrivals>();
+  // What is in journals changes within a generation.
+  const auto is_same = [&](StoreReader& other) {
+    return other.manifest().generation == past->store().manifest().generation &&
+           other.journal_times().empty() && past->store().journal_times().empty();
+  };
+  if (beside != nullptr && is_same(beside->store())) arrivals = beside->arrivals_;
+  return std::make_unique<ReplayedPast>(std::move(past), std::move(now), std::move(arrivals));
 }
 
 Result<std::shared_ptr<const EntityArrivals>> ReplayedPast::arrivals(const MemoryId& entity) {
-  if (const auto known = arrivals_.find(entity); known != arrivals_.end()) return known->second;
+  if (auto known = arrivals_->find(entity)) return known;
   ENGRAM_ASSIGN_OR_RETURN(auto read, EntityArrivals::read(store(), entity));
-  return arrivals_.emplace(entity, std::move(read)).first->second;
+  arrivals_->put(entity, read);
+  return read;
 }
 
 std::vector<MemoryId> ReplayedPast::matching(const Query& query) {
@@ -37,12 +61,12 @@ Result<std::unique_ptr<EntityPast>> ReplayedPast::of(const MemoryId& entity) {
 }
 
 Status ReplayedPast::renew() {
-  arrivals_.clear();
+  arrivals_ = std::make_shared<KnownArrivals>();
   return store_->renew();
 }
 
 Status ReplayedPast::start_anew() {
-  arrivals_.clear();
+  arrivals_ = std::make_shared<KnownArrivals>();
   return store_->start_anew();
 }
 

@@ -6,10 +6,25 @@
 #include <string>
 #include <vector>
 
+#include "ltm/core/mutex.h"
 #include "ltm/recall/entity_arrivals.h"
 #include "ltm/recall/store_past.h"
 
 namespace engram::ltm {
+
+/// Arrivals that were read of one generation of a store, for all that read it.
+///
+/// Threading: thread-safe.
+class KnownArrivals {
+ public:
+  /// Null if those of this entity were not read yet.
+  [[nodiscard]] std::shared_ptr<const EntityArrivals> find(const MemoryId& entity) const;
+  void put(const MemoryId& entity, std::shared_ptr<const EntityArrivals> arrivals);
+
+ private:
+  mutable SharedMutex mutex_;
+  std::map<MemoryId, std::shared_ptr<const EntityArrivals>> arrivals_ ENGRAM_GUARDED_BY(mutex_);
+};
 
 /// The past in a store as it was known at a moment of it: nothing that arrived later can be found,
 /// counted, named or learned from. That moment is read anew from a clock before each question
@@ -23,12 +38,15 @@ namespace engram::ltm {
 /// Source: docs/replay.md.
 class ReplayedPast final : public KnownPast {
  public:
-  /// `now` is called by follow().
-  ReplayedPast(std::unique_ptr<StorePast> store, Clock now);
+  /// `now` is called by follow(). Pasts of one generation of a store may share what they read.
+  ReplayedPast(std::unique_ptr<StorePast> store, Clock now,
+               std::shared_ptr<KnownArrivals> arrivals = std::make_shared<KnownArrivals>());
 
+  /// Opens the newest generation. It shares what is read with `beside` if that is of the same.
   /// Errors: those of StorePast::open.
   static Result<std::unique_ptr<ReplayedPast>> open(const std::filesystem::path& store,
-                                                    ModelLoader loader, Clock now);
+                                                    ModelLoader loader, Clock now,
+                                                    ReplayedPast* beside = nullptr);
 
   /// The store, of which more can be read than was known. Valid until renew().
   [[nodiscard]] StoreReader& store() { return store_->store(); }
@@ -58,7 +76,7 @@ class ReplayedPast final : public KnownPast {
   const Clock clock_;
   Time now_;
   uint64_t era_ = 0;  ///< How often that moment became an earlier one.
-  std::map<MemoryId, std::shared_ptr<const EntityArrivals>> arrivals_;
+  std::shared_ptr<KnownArrivals> arrivals_;
 };
 
 }  // namespace engram::ltm

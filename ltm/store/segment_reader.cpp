@@ -340,20 +340,35 @@ Result<std::optional<RowSpan>> SegmentReader::snapshot_at(const MemoryId& entity
   return std::optional(span);
 }
 
-Result<Time> SegmentReader::arrived(const MemoryId& entity, const RowSpan& span) {
-  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* place, state_->place_of(entity));
-  if (span.rows > place->rows || span.first > place->rows - span.rows)
-    return state_->source.broken(
-        place->group, fmt::format("'{}' has {} rows, needs {} from {} on", entity.to_string(),
-                                  place->rows, span.rows, span.first));
-  const std::string path = place->group + "/metadata/arrived";
-  const uint64_t first = place->first + span.first;
-  std::optional<Time> latest;
-  for (uint64_t row = first; row < first + span.rows; ++row) {
-    ENGRAM_ASSIGN_OR_RETURN(const Time arrived, state_->row_time(path, row, span.time));
-    latest = std::max(latest.value_or(arrived), arrived);
+Result<std::vector<ArrivedSnapshot>> SegmentReader::arrivals(const MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(const EntityPlace* found, state_->place_of(entity));
+  const EntityPlace place = *found;
+  ENGRAM_ASSIGN_OR_RETURN(const auto times, state_->times_of(place));
+  const std::string path = place.group + "/metadata/arrived";
+  ENGRAM_ASSIGN_OR_RETURN(const SegmentColumn* column, state_->source.column_if_there(path));
+  const bool is_one_for_all = column != nullptr && column->rows() == 1;
+  std::vector<std::byte> arrived;
+  if (column != nullptr && place.rows > 0) {
+    ENGRAM_ASSIGN_OR_RETURN(arrived, state_->source.file().read_rows(
+                                         path, h5::Type::kInt64, is_one_for_all ? 0 : place.first,
+                                         is_one_for_all ? 1 : place.rows));
   }
-  return latest.value_or(Time{}) == Time{} ? span.time : *latest;
+  const auto number = [](const std::vector<std::byte>& bytes, uint64_t row) {
+    int64_t value = 0;
+    std::memcpy(&value, bytes.data() + row * sizeof(value), sizeof(value));
+    return time_from_ns(value);
+  };
+  std::vector<ArrivedSnapshot> snapshots;
+  for (uint64_t row = 0; row < place.rows; ++row) {
+    const Time time = number(times, row);
+    Time came = arrived.empty() ? time : number(arrived, is_one_for_all ? 0 : row);
+    if (came == Time{}) came = time;
+    if (!snapshots.empty() && snapshots.back().time == time)
+      snapshots.back().arrived = std::max(snapshots.back().arrived, came);
+    else
+      snapshots.push_back({time, came});
+  }
+  return snapshots;
 }
 
 Result<bool> SegmentReader::has_arrivals(const MemoryId& entity) {

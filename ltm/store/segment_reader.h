@@ -23,6 +23,12 @@ struct RowSpan {
   uint32_t rows = 0;
 };
 
+/// A snapshot, and when the memory took it.
+struct ArrivedSnapshot {
+  Time time{};
+  Time arrived{};
+};
+
 /// How the recorded form of an entity is stored.
 struct StoredForms {
   /// Names of the codecs, including those of groups of images.
@@ -87,9 +93,11 @@ class SegmentReader {
   /// The snapshot that begins at `row`, or nullopt after the last one.
   Result<std::optional<RowSpan>> snapshot_at(const MemoryId& entity, uint64_t row);
 
-  /// When the memory took a snapshot: the latest of its instances. One that does not tell (0)
-  /// counts as taken at its own time. Errors: kNotFound, kDataLoss.
-  Result<Time> arrived(const MemoryId& entity, const RowSpan& span);
+  /// The snapshots of an entity in file order, each with when the memory took it: the latest of its
+  /// instances. One that does not tell (0) counts as taken at its own time.
+  /// Errors: kNotFound, kDataLoss.
+  /// Complexity: two columns are read as a whole.
+  Result<std::vector<ArrivedSnapshot>> arrivals(const MemoryId& entity);
   /// Whether the file says when snapshots of the entity arrived; all arrived at their times if not.
   Result<bool> has_arrivals(const MemoryId& entity);
 

@@ -325,17 +325,33 @@ Result<PackedSnapshot> StoreReader::read_values(const MemoryId& entity,
   return segment->read_values(entity, {entry.time, at.at, at.rows});
 }
 
-Result<Time> StoreReader::arrived(const MemoryId& entity, const SnapshotEntry& entry) {
-  const SnapshotEntry::Location& at = entry.recorded ? *entry.recorded : *entry.latent;
-  if (at.rows > 0) {
-    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(at.source));
-    return segment->arrived(entity, {entry.time, at.at, at.rows});
+Result<std::vector<ArrivedSnapshot>> StoreReader::arrivals(const MemoryId& entity) {
+  if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
+  std::vector<ArrivedSnapshot> all;
+  for (const auto& [number, part] : state_->stored.of(entity)) {
+    if (part->snapshots == 0) continue;
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(number));
+    ENGRAM_ASSIGN_OR_RETURN(const auto some, segment->arrivals(entity));
+    all.insert(all.end(), some.begin(), some.end());
   }
-  ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
-  Time latest{};
-  for (const PackedInstance& instance : packed.instances)
-    latest = std::max(latest, instance.metadata.arrived);
-  return latest == Time{} ? entry.time : latest;
+  for (const SnapshotEntry& entry : state_->journal_snapshots(entity)) {
+    ENGRAM_ASSIGN_OR_RETURN(const PackedSnapshot packed, read_packed(entity, entry));
+    Time latest{};
+    for (const PackedInstance& instance : packed.instances)
+      latest = std::max(latest, instance.metadata.arrived);
+    all.push_back({entry.time, latest == Time{} ? entry.time : latest});
+  }
+  // Later places are newer, and a stable sort leaves them behind.
+  std::ranges::stable_sort(all, {}, &ArrivedSnapshot::time);
+  std::vector<ArrivedSnapshot> newest;
+  newest.reserve(all.size());
+  for (const ArrivedSnapshot& one : all) {
+    if (!newest.empty() && newest.back().time == one.time)
+      newest.back() = one;
+    else
+      newest.push_back(one);
+  }
+  return newest;
 }
 
 Result<bool> StoreReader::arrived_in_time(const MemoryId& entity) {

@@ -93,10 +93,12 @@ class StoreReader {
   /// The same for who needs no images: in segments, media are not read and missing from the result.
   Result<PackedSnapshot> read_values(const MemoryId& entity, const SnapshotEntry& entry);
 
-  /// When the memory took a snapshot: the latest of its instances; the time of the snapshot if it
-  /// does not tell.
-  /// Errors: kDataLoss naming the segment and the row.
-  Result<Time> arrived(const MemoryId& entity, const SnapshotEntry& entry);
+  /// All snapshots of an entity in the order of time, each with when the memory took it: the latest
+  /// of its instances; its own time if it does not tell. Of a time that is in several places the
+  /// newest counts.
+  /// Errors: kNotFound, kUnavailable; kDataLoss naming the segment.
+  /// Complexity: O(snapshots), without reading any value; what is in journals is read.
+  Result<std::vector<ArrivedSnapshot>> arrivals(const MemoryId& entity);
 
   /// Whether all snapshots of the entity arrived at their own times, as those of an import did. No
   /// rows are read for it. False if a journal has some of them.

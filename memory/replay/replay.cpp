@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <thread>
 
 #include "ltm/core/log.h"
@@ -15,7 +16,7 @@ namespace engram::memory {
 namespace {
 
 /// How much is done before others get their turn.
-constexpr size_t kEntitiesAtOnce = 64;
+constexpr size_t kEntitiesAtOnce = 1;
 constexpr int kArrivalsAtOnce = 64;
 /// How often the clock is told of while it goes, and the longest that the thread sleeps.
 constexpr auto kBetweenStates = std::chrono::seconds(1);
@@ -32,6 +33,9 @@ struct Replay::State {
   std::vector<std::unique_ptr<ReplayPart>> parts;
   std::optional<Time> first, last;
 
+  /// How many wait to tell the replay what to do. A mutex alone would let the thread take its turn
+  /// again and again.
+  std::atomic<int> commanding{0};
   /// Held by who goes on in the recorded order, or sets the clock.
   mutable Mutex going;
   Mutex waking;
@@ -58,6 +62,8 @@ struct Replay::State {
 
   void jump(Time to) ENGRAM_REQUIRES(going) {
     clock.jump(to);
+    // Before the states of later moments are forgotten, so that there always is one.
+    tell_state();
     for (const auto& part : parts) {
       part->rewind(to);
       part->restart(to);
@@ -186,6 +192,7 @@ struct Replay::State {
   void run(const std::stop_token& stop) {
     SteadyTime told_at = steady_now() - kBetweenStates;
     while (!stop.stop_requested()) {
+      for (int others = commanding; others > 0; others = commanding) commanding.wait(others);
       const uint64_t jumps = clock.course().jumps;
       const Duration wait = go_on();
       const bool is_due = clock.course().is_playing && steady_now() - told_at >= kBetweenStates;
@@ -299,6 +306,15 @@ Status Replay::obey(const ReplayCommand& command) {
   if (command.kind == Kind::kLoop && command.loop)
     ENGRAM_RETURN_IF_ERROR(state.check_moment(command.loop->first));
   {
+    struct Turn {
+      explicit Turn(std::atomic<int>& number) : count(number) { ++count; }
+      ~Turn() {
+        --count;
+        count.notify_all();
+      }
+      std::atomic<int>& count;
+    };
+    const Turn turn(state.commanding);
     const MutexLock lock(state.going);
     switch (command.kind) {
       case Kind::kPlay:

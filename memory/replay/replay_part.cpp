@@ -2,9 +2,11 @@
 #include "memory/replay/replay_part.h"
 
 #include <algorithm>
+#include <map>
 
 #include "ltm/core/log.h"
 #include "ltm/recall/overlaid_past.h"
+#include "memory/replay/replay_state.h"
 
 namespace engram::memory {
 
@@ -41,7 +43,7 @@ ReplayPart::ReplayPart(std::filesystem::path store, ltm::ModelLoader loader, Clo
 Result<std::unique_ptr<ReplayPart>> ReplayPart::open(const std::filesystem::path& store,
                                                      ltm::ModelLoader loader, Clock now) {
   ENGRAM_ASSIGN_OR_RETURN(auto all, ltm::ReplayedPast::open(store, loader, end_of_time));
-  ENGRAM_ASSIGN_OR_RETURN(auto shown, ltm::ReplayedPast::open(store, loader, now));
+  ENGRAM_ASSIGN_OR_RETURN(auto shown, ltm::ReplayedPast::open(store, loader, now, all.get()));
   auto part = std::unique_ptr<ReplayPart>(
       new ReplayPart(store, std::move(loader), std::move(now), std::move(all)));
   ltm::StoreReader& reader = part->all_->store();
@@ -80,9 +82,13 @@ void ReplayPart::rewind(Time now) {
   const SharedLock lock(mutex_);
   if (above_ == nullptr) return;
   std::map<ltm::MemoryId, TimeSet> later;
-  for (const ltm::MemoryId& entity : above_->matching(*ltm::Query::parse(".*")))
+  for (const ltm::MemoryId& entity : above_->matching(*ltm::Query::parse(".*"))) {
+    // The state of this moment came a moment after it.
+    const bool is_state = entity == replay_clock_entity();
     for (const ltm::SharedSnapshot& snapshot : above_->all_of(entity))
-      if (arrived_after(*snapshot, now)) later[entity].insert(snapshot->time);
+      if (is_state ? snapshot->time > now_() : arrived_after(*snapshot, now))
+        later[entity].insert(snapshot->time);
+  }
   above_->forget(later);
 }
 
@@ -147,7 +153,7 @@ ReplayPart::Passed ReplayPart::pass() {
 std::vector<PredictionScore> ReplayPart::score(Time now) {
   if (!predictions_.has_waiting()) return {};
   if (!come_) {
-    auto opened = ltm::ReplayedPast::open(store_, loader_, now_);
+    auto opened = ltm::ReplayedPast::open(store_, loader_, now_, all_.get());
     if (!opened.ok()) {
       log::warning("replay: no prediction is scored: {}", opened.status().message());
       return {};
