@@ -11,7 +11,7 @@
 #include "memory/live/memory_service.h"
 #include "memory/memory.h"
 #include "memory/model_loader.h"
-#include "memory/replay/replay.h"
+#include "memory/replay/running_replay.h"
 
 namespace engram {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "memory/replay/replay.h"
+#include "memory/replay/running_replay.h"
 #include "server/robot/robot_config.h"
 
 namespace engram::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "memory/replay/replay.h"
+#include "memory/replay/running_replay.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
