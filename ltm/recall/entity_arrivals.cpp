@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "ltm/recall/past_context.h"
 #include "ltm/recall/seen_past.h"
 
 namespace engram::ltm {
@@ -45,6 +46,11 @@ class ArrivedPast final : public EntityPast {
     return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
   }
   Result<uint64_t> count() override { return uint64_t{times_.size()}; }
+
+  Result<SharedContext> context(const std::optional<idf::Type>& type) override {
+    ENGRAM_ASSIGN_OR_RETURN(const SharedContext all, past_->context(type));
+    return context_at(all, times_);
+  }
 
   Result<RecalledSnapshot> read(Time moment, Prefer prefer) override {
     check(moment);

@@ -56,4 +56,15 @@ SharedContext context_at(const SharedContext& all, const TimeWindows& times) {
   return std::make_shared<const EntityContext>(std::move(merger).take());
 }
 
+SharedContext context_at(const SharedContext& all, std::span<const Time> times) {
+  if (times.size() == all->times.size()) return all;  // Each is one of them.
+  ContextMerger merger;
+  auto next = times.begin();
+  for (uint32_t i = 0; i < all->times.size(); ++i) {
+    while (next != times.end() && *next < all->times[i]) ++next;
+    if (next != times.end() && *next == all->times[i]) merger.add(*all, i);
+  }
+  return std::make_shared<const EntityContext>(std::move(merger).take());
+}
+
 }  // namespace engram::ltm

@@ -17,5 +17,7 @@ namespace engram::ltm {
 
 /// The snapshots of a context at these times alone.
 [[nodiscard]] SharedContext context_at(const SharedContext& all, const TimeWindows& times);
+/// The same of times in a list, which increase.
+[[nodiscard]] SharedContext context_at(const SharedContext& all, std::span<const Time> times);
 
 }  // namespace engram::ltm
