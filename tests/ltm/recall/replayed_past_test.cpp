@@ -82,6 +82,13 @@ std::vector<std::string> questions(std::mt19937& random, Time now) {
     all.push_back("?ids " + one + " @ " + selector);
     all.push_back(one + " @ all, " + selector);
   }
+  // What links to a moment, or is linked from one, may have come later than the moment.
+  const auto entity = [&] { return "Vision/RGB/head/cam" + std::to_string(random() % kEntities); };
+  for (const char* condition : {"linked-to ", "not linked-to ", "links-from ", "not links-from "}) {
+    all.push_back(entity() + " @ all " + condition + entity());
+    all.push_back(entity() + " @ latest:2 " + condition + entity() + "/" + plain());
+    all.push_back(".* @ latest " + std::string(condition) + entity());
+  }
   return all;
 }
 
