@@ -10,7 +10,7 @@
 #include "datasets/vault/vault_mark.h"
 #include "ltm/core/log.h"
 #include "ltm/core/printable.h"
-#include "ltm/likeness/sealed_coder.h"
+#include "ltm/likeness/sealed_indexer.h"
 #include "reports/plain/import_report.h"
 #include "reports/plain/vault_text.h"
 
@@ -69,10 +69,11 @@ bool tell_losses(const ImportArguments& arguments, const datasets::ReadingReport
 }
 
 /// Seals what was recorded, also before an error, and prints the report.
-ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder, ltm::SealedCoder& coder,
+ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
+                ltm::SealedIndexer& indexer,
                 const Result<datasets::RecordingImportReport>& report) {
   const Status closed = recorder.close();
-  coder.finish(interrupt_token());
+  indexer.finish(interrupt_token());
   if (!report.ok()) fail(report.status());
   if (!closed.ok()) fail(closed);
   if (!report.ok() || !closed.ok()) return ExitCode::kFailed;
@@ -156,15 +157,15 @@ ExitCode run(const ImportArguments& arguments, const CLI::App& command) {
     reports::show_streams(opened->format, opened->reader->streams(), arguments.is_json);
     return ExitCode::kDone;
   }
-  ltm::SealedCoder coder(arguments.store);
-  recording->store.after_seal = [&coder](const std::string& segment) { coder.add(segment); };
+  ltm::SealedIndexer indexer(arguments.store);
+  recording->store.after_seal = [&indexer](const std::string& segment) { indexer.add(segment); };
   auto recorder = open_recorder(arguments, *recording, *types);
   if (!recorder.ok()) return fail(recorder.status());
   ProgressLine progress;
   const auto report = datasets::import_recording(*opened->reader, opened->format, *recorder,
                                                  progress.sink(), interrupt_token());
   progress.finish();
-  return finish(arguments, *recorder, coder, report);
+  return finish(arguments, *recorder, indexer, report);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "ltm/likeness/make_codes.h"
-#include "ltm/likeness/sealed_coder.h"
+#include "ltm/likeness/sealed_indexer.h"
 #include "ltm/recording/recording_config.h"
 #include "ltm/store/segment_index.h"
 #include "store/verify_store.h"
@@ -48,7 +48,7 @@ uint64_t kept(const ltm::Recorder& recorder) {
 Status record(const RecorderRun& run, const Stream& stream, const std::filesystem::path& store,
               RecorderFigures& figures) {
   ENGRAM_ASSIGN_OR_RETURN(auto options, ltm::parse_recording_config(run.config, run.name));
-  std::optional<ltm::SealedCoder> coder;
+  std::optional<ltm::SealedIndexer> coder;
   if (run.codes_images) {
     coder.emplace(store);
     options.store.after_seal = [&coder](const std::string& segment) { coder->add(segment); };

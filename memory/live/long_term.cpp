@@ -5,7 +5,7 @@
 #include <map>
 
 #include "ltm/core/mutex.h"
-#include "ltm/likeness/sealed_coder.h"
+#include "ltm/likeness/sealed_indexer.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::memory {
@@ -63,10 +63,11 @@ Result<std::unique_ptr<LongTerm>> LongTerm::open(const Options& options, Clock c
   ltm::Recorder::Options recording = options.recording;
   recording.on_released = [released](const MemoryId& snapshot) { released->push_back(snapshot); };
   // Shared with the sealer's thread, which ends with the recorder.
-  const auto coder = std::make_shared<ltm::SealedCoder>(options.store);
-  recording.store.after_seal = [coder, also = recording.store.after_seal](const std::string& file) {
+  const auto indexer = std::make_shared<ltm::SealedIndexer>(options.store);
+  recording.store.after_seal = [indexer,
+                                also = recording.store.after_seal](const std::string& file) {
     if (also) also(file);
-    coder->add(file);
+    indexer->add(file);
   };
   ENGRAM_ASSIGN_OR_RETURN(
       auto recorder,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/likeness/sealed_coder.h"
+#include "ltm/likeness/sealed_indexer.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -60,12 +60,12 @@ Status add_codes(const StoreReader& store, const SegmentInfo& segment, const Ent
 
 }  // namespace
 
-SealedCoder::SealedCoder(std::filesystem::path store)
+SealedIndexer::SealedIndexer(std::filesystem::path store)
     : store_(std::move(store)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-SealedCoder::~SealedCoder() = default;
+SealedIndexer::~SealedIndexer() = default;
 
-void SealedCoder::add(const std::string& segment_file) {
+void SealedIndexer::add(const std::string& segment_file) {
   const MutexLock lock(mutex_);
   if (waiting_.size() >= kMaxWaiting) {
     ++left_;
@@ -75,7 +75,7 @@ void SealedCoder::add(const std::string& segment_file) {
   changed_.notify_all();
 }
 
-void SealedCoder::finish(const std::stop_token& stop) {
+void SealedIndexer::finish(const std::stop_token& stop) {
   const MutexLock lock(mutex_);
   is_hurried_ = true;
   changed_.notify_all();
@@ -84,7 +84,7 @@ void SealedCoder::finish(const std::stop_token& stop) {
   is_hurried_ = false;
 }
 
-void SealedCoder::run(const std::stop_token& stop) {
+void SealedIndexer::run(const std::stop_token& stop) {
   // Of this thread alone. Without it the codes are made all the same.
   ::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kNice);
   MutexLock lock(mutex_);
@@ -108,7 +108,7 @@ void SealedCoder::run(const std::stop_token& stop) {
   }
 }
 
-Status SealedCoder::code(const std::string& segment_file, const std::stop_token& stop) {
+Status SealedIndexer::code(const std::string& segment_file, const std::stop_token& stop) {
   ENGRAM_ASSIGN_OR_RETURN(const auto past, StorePast::open(store_, {}, {}));
   StoreReader& store = past->store();
   const auto& segments = store.manifest().segments;
@@ -146,7 +146,7 @@ Status SealedCoder::code(const std::string& segment_file, const std::stop_token&
   return {};
 }
 
-void SealedCoder::rest(Duration worked, const std::stop_token& stop) {
+void SealedIndexer::rest(Duration worked, const std::stop_token& stop) {
   const MutexLock lock(mutex_);
   changed_.wait_for(mutex_, stop, kRestsPerWork * worked,
                     [this]() ENGRAM_REQUIRES(mutex_) { return is_hurried_; });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/likeness/sealed_coder.h"
+#include "ltm/likeness/sealed_indexer.h"
 
 #include "ltm/likeness/make_codes.h"
 #include "ltm/likeness/similar.h"
@@ -13,12 +13,12 @@ namespace {
 
 constexpr int64_t kInRoom = 60;
 
-class SealedCoderTest : public ::testing::Test {
+class SealedIndexerTest : public ::testing::Test {
  protected:
-  SealedCoderTest() : store_(scratch_ / "store") { EXPECT_OK(create_store(store_)); }
+  SealedIndexerTest() : store_(scratch_ / "store") { EXPECT_OK(create_store(store_)); }
 
   /// Records moments of a new room and seals them, with a coder that is told of it.
-  void record(SealedCoder& coder, int64_t recording) {
+  void record(SealedIndexer& coder, int64_t recording) {
     StoreWriter::Options options;
     options.after_seal = [&coder](const std::string& segment) { coder.add(segment); };
     const auto writer = StoreWriter::open(store_, options);
@@ -41,8 +41,8 @@ class SealedCoderTest : public ::testing::Test {
   std::filesystem::path store_;
 };
 
-TEST_F(SealedCoderTest, CodesWhatIsSealedOnceTheEntityHasASpace) {
-  SealedCoder coder(store_);
+TEST_F(SealedIndexerTest, CodesWhatIsSealedOnceTheEntityHasASpace) {
+  SealedIndexer coder(store_);
   record(coder, 0);
   coder.finish();
   EXPECT_EQ(coder.counters().coded, 0u);
@@ -67,9 +67,9 @@ TEST_F(SealedCoderTest, CodesWhatIsSealedOnceTheEntityHasASpace) {
   EXPECT_EQ(next->front().kept, static_cast<uint64_t>(3 * kInRoom));
 }
 
-TEST_F(SealedCoderTest, LeavesTheRestToTheNightWhenItEnds) {
+TEST_F(SealedIndexerTest, LeavesTheRestToTheNightWhenItEnds) {
   {
-    SealedCoder coder(store_);
+    SealedIndexer coder(store_);
     record(coder, 0);
     ASSERT_OK(make_codes(store_, {}, {}, {}, {}));
     record(coder, 1);
@@ -81,8 +81,8 @@ TEST_F(SealedCoderTest, LeavesTheRestToTheNightWhenItEnds) {
   EXPECT_EQ(computed(), 0u);
 }
 
-TEST_F(SealedCoderTest, DoesNotReplaceTheCodesOfANight) {
-  SealedCoder coder(store_);
+TEST_F(SealedIndexerTest, DoesNotReplaceTheCodesOfANight) {
+  SealedIndexer coder(store_);
   record(coder, 0);
   ASSERT_OK(make_codes(store_, {}, {}, {}, {}));
   const Manifest manifest = *read_manifest(store_);

@@ -13,8 +13,9 @@
 
 namespace engram::ltm {
 
-/// Codes the images of segments as they are sealed, for entities that have a space: a question
-/// finds their codes without waiting for a night. It learns no space.
+/// Makes the indexes of segments as they are sealed, so that questions do not wait for a night:
+/// places and links of all entities, and codes of the images of those that have a space. It learns
+/// no space.
 ///
 /// It works in a thread of its own with lower priority and takes a quarter of a core at most, so
 /// that nothing that records waits for it. What it does not come to is left to the next night: what
@@ -22,12 +23,12 @@ namespace engram::ltm {
 /// read.
 ///
 /// Threading: thread-safe.
-/// Source: docs/recall.md, section "Codes".
-class SealedCoder {
+/// Source: docs/recall.md, section "Codes"; docs/query.md, "How they are answered".
+class SealedIndexer {
  public:
-  explicit SealedCoder(std::filesystem::path store);
+  explicit SealedIndexer(std::filesystem::path store);
   /// Ends after the image at hand.
-  ~SealedCoder();
+  ~SealedIndexer();
 
   /// Takes a segment, as AfterSeal names it, and returns at once.
   void add(const std::string& segment_file) ENGRAM_EXCLUDES(mutex_);
