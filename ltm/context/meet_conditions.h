@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ltm/context/entity_context.h"
-#include "ltm/memory/condition.h"
+#include "ltm/memory/snapshot_condition.h"
 
 namespace engram::ltm {
 

@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "ltm/memory/links.h"
-
 namespace engram::ltm {
 
 namespace {
@@ -184,11 +182,24 @@ void ContextReader::add(Time time, std::span<const InstanceResult> instances) {
   for (const InstanceResult& instance : instances) add_value(instance.data, instance.index);
 }
 
+std::vector<Link> ContextReader::links_of(const idf::Data& value) const {
+  if (type_) return find_links(value, *type_);
+  std::vector<Link> links = find_links(value);
+  // Without a type a text that names an entity alone is no link, unless its member says so.
+  if (const auto* dict = value.get_if<idf::Dict>())
+    for (const idf::DictEntry& entry : *dict) {
+      const auto* text = entry.value.get_if<std::string>();
+      if (text == nullptr || !is_calibration(entry.key)) continue;
+      auto id = MemoryId::parse(*text);
+      if (id.ok() && id->is_entity()) links.push_back({entry.key, *std::move(id)});
+    }
+  return links;
+}
+
 void ContextReader::add_value(const idf::Data& value, int32_t instance) {
   const auto snapshot = static_cast<uint32_t>(context_.times.size() - 1);
   std::optional<int32_t> calibration;
-  const std::vector<Link> links = type_ ? find_links(value, *type_) : find_links(value);
-  for (const Link& link : links) {
+  for (const Link& link : links_of(value)) {
     if (!link.id.has_entity()) continue;
     if (!calibration && is_calibration(link.path))
       calibration = static_cast<int32_t>(context_.links.size());

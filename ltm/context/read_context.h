@@ -7,6 +7,7 @@
 
 #include "ltm/context/entity_context.h"
 #include "ltm/idf/type.h"
+#include "ltm/memory/links.h"
 #include "ltm/memory/result.h"
 
 namespace engram::ltm {
@@ -35,6 +36,7 @@ class ContextReader {
 
  private:
   void add_value(const idf::Data& value, int32_t instance);
+  [[nodiscard]] std::vector<Link> links_of(const idf::Data& value) const;
 
   std::optional<idf::Type> type_;
   EntityContext context_;

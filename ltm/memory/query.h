@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "ltm/idf/data.h"
-#include "ltm/memory/condition.h"
 #include "ltm/memory/memory_id.h"
 #include "ltm/memory/name_pattern.h"
 #include "ltm/memory/selector.h"
+#include "ltm/memory/snapshot_condition.h"
 
 namespace engram::ltm {
 

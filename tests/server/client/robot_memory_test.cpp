@@ -78,10 +78,12 @@ ltm::Commit thing_and_camera(int64_t step) {
                                           {"height", 9}},
                                 {}}}});
   if (step == 3)
-    commit.updates.push_back(
-        {id("B/b/c/push"),
-         time,
-         {{idf::Dict{{"started", step}, {"ended", step + 1}, {"what", "A/b/c/thing"}}, {}}}});
+    commit.updates.push_back({id("B/b/c/push"),
+                              time,
+                              {{idf::Dict{{"started", step},
+                                          {"ended", step + 1},
+                                          {"what", id("A/b/c/thing").at(time).to_string()}},
+                                {}}}});
   return commit;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ltm/memory/condition.h"
+#include "ltm/memory/snapshot_condition.h"
 
 #include <algorithm>
 #include <charconv>
