@@ -12,9 +12,6 @@ namespace engram::ltm {
 namespace {
 
 constexpr uint32_t kContextVersion = 1;
-/// A context takes less than its snapshots, of which a segment has no more.
-constexpr size_t kMaxContextBytes = size_t{2} << 30;
-
 using Bytes = std::vector<std::byte>;
 using Writer = FieldWriter<Bytes>;
 
@@ -121,6 +118,10 @@ bool are_finite(const std::vector<Intrinsics>& intrinsics) {
   });
 }
 
+bool are_instances(const std::vector<int32_t>& instances) {
+  return std::ranges::all_of(instances, [](int32_t instance) { return instance >= 0; });
+}
+
 bool are_calibrations(const EntityContext& context) {
   return std::ranges::all_of(context.cameras.calibration, [&](int32_t calibration) {
     return calibration >= 0 ? static_cast<size_t>(calibration) < context.links.size()
@@ -139,23 +140,25 @@ bool is_consistent(const EntityContext& context) {
          are_rows(places.snapshot, count) && places.frame.size() == places.size() &&
          are_below(places.frame, frames.size()) && places.position.size() == 3 * places.size() &&
          are_finite(places.position) && are_rows(cameras.snapshot, count) &&
-         cameras.instance.size() == cameras.size() && cameras.frame.size() == cameras.size() &&
-         are_below(cameras.frame, frames.size()) && cameras.position.size() == 3 * cameras.size() &&
-         are_finite(cameras.position) && cameras.orientation.size() == 4 * cameras.size() &&
-         are_finite(cameras.orientation) && cameras.calibration.size() == cameras.size() &&
-         are_calibrations(context) && are_finite(intrinsics) && are_rows(links.snapshot, count) &&
-         links.instance.size() == links.size() && links.target.size() == links.size() &&
-         are_below(links.target, targets.size()) && links.time.size() == links.size() &&
-         links.index.size() == links.size() && are_rows(spans.snapshot, count) &&
-         spans.started.size() == spans.size() && spans.ended.size() == spans.size();
+         cameras.instance.size() == cameras.size() && are_instances(cameras.instance) &&
+         cameras.frame.size() == cameras.size() && are_below(cameras.frame, frames.size()) &&
+         cameras.position.size() == 3 * cameras.size() && are_finite(cameras.position) &&
+         cameras.orientation.size() == 4 * cameras.size() && are_finite(cameras.orientation) &&
+         cameras.calibration.size() == cameras.size() && are_calibrations(context) &&
+         are_finite(intrinsics) && are_rows(links.snapshot, count) &&
+         links.instance.size() == links.size() && are_instances(links.instance) &&
+         links.target.size() == links.size() && are_below(links.target, targets.size()) &&
+         links.time.size() == links.size() && links.index.size() == links.size() &&
+         are_rows(spans.snapshot, count) && spans.started.size() == spans.size() &&
+         spans.ended.size() == spans.size();
 }
 
 Status context_damaged() {
   return data_loss("an index of places and links is damaged");
 }
 
-Result<EntityContext> unpack_one(std::span<const std::byte> packed) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto plain, decompress_zstd(packed, kMaxContextBytes));
+Result<EntityContext> unpack_one(std::span<const std::byte> packed, size_t max_bytes) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto plain, decompress_zstd(packed, max_bytes));
   FieldReader fields(plain);
   EntityContext context;
   for (const int64_t time : read_steps<int64_t>(fields))
@@ -225,13 +228,13 @@ std::vector<std::byte> pack_contexts(const SegmentContexts& contexts) {
 }
 
 Result<std::optional<EntityContext>> unpack_context(std::span<const std::byte> bytes,
-                                                    const MemoryId& entity) {
+                                                    const MemoryId& entity, size_t max_bytes) {
   const std::string id = entity.to_string();
   std::optional<EntityContext> found;
   ENGRAM_RETURN_IF_ERROR(
       walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
         if (name != id || found) return {};
-        ENGRAM_ASSIGN_OR_RETURN(found, unpack_one(packed));
+        ENGRAM_ASSIGN_OR_RETURN(found, unpack_one(packed, max_bytes));
         return {};
       }));
   return found;
@@ -243,7 +246,7 @@ Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes) {
       walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
         auto entity = MemoryId::parse(name);
         if (!entity.ok() || !entity->is_entity()) return context_damaged();
-        ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_one(packed));
+        ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_one(packed, kMaxContextPlainBytes));
         contexts.emplace_back(*std::move(entity), std::move(context));
         return {};
       }));

@@ -19,11 +19,15 @@ using SegmentContexts = std::vector<std::pair<MemoryId, EntityContext>>;
 /// Packs contexts so that one can be read without the others.
 [[nodiscard]] std::vector<std::byte> pack_contexts(const SegmentContexts& contexts);
 
+/// A context takes less than its snapshots, of which a segment has no more.
+inline constexpr size_t kMaxContextPlainBytes = size_t{2} << 30;
+
 /// Reads one of what pack_contexts() wrote; nothing if there is none of the entity. Safe on hostile
-/// bytes: what it returns is consistent.
+/// bytes: what it returns is consistent, and takes about `max_bytes` at most.
 /// Errors: kDataLoss.
 Result<std::optional<EntityContext>> unpack_context(std::span<const std::byte> bytes,
-                                                    const MemoryId& entity);
+                                                    const MemoryId& entity,
+                                                    size_t max_bytes = kMaxContextPlainBytes);
 
 /// Reads all of them. Errors: kDataLoss.
 Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes);

@@ -31,8 +31,9 @@ Result<std::shared_ptr<const ltm::OtherContexts>> to_contexts(
       return invalid_argument(
           "context of '{}': found {} bytes in all, needs an entity and at most {}",
           message.entity(), bytes, kMaxContextBytes);
-    ENGRAM_ASSIGN_OR_RETURN(
-        auto context, ltm::unpack_context(std::as_bytes(std::span(message.context())), entity));
+    ENGRAM_ASSIGN_OR_RETURN(auto context,
+                            ltm::unpack_context(std::as_bytes(std::span(message.context())), entity,
+                                                kMaxUnpackedContextBytes));
     if (context) contexts[entity] = std::make_shared<const ltm::EntityContext>(*std::move(context));
   }
   return std::make_shared<const ltm::OtherContexts>(std::move(contexts));

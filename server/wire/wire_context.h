@@ -13,6 +13,8 @@ namespace engram::server {
 /// Max bytes of the context of an entity as it is sent, and of all that come with a query: they
 /// share a message with what else is told.
 inline constexpr size_t kMaxContextBytes = size_t{32} << 20;
+/// What one may take once it is unpacked: it compresses well, and who sends it may be hostile.
+inline constexpr size_t kMaxUnpackedContextBytes = size_t{256} << 20;
 
 /// Where snapshots of an entity were and in which context, as a server sends it; no `context` if
 /// there is no such entity.

@@ -69,6 +69,13 @@ TEST(StoredContext, IsRefusedWhereItIsDamaged) {
     if (!c.cameras.calibration.empty()) c.cameras.calibration[0] = -1;
   }));
   EXPECT_TRUE(is_refused([](EntityContext& c) {
+    if (!c.cameras.instance.empty()) c.cameras.instance[0] = -1;
+  }));
+  // What a stranger sends may be small and take much.
+  const auto& [entity, context] = contexts.back();
+  EXPECT_EQ(unpack_context(bytes, entity, 100).status().code(), StatusCode::kDataLoss);
+  EXPECT_OK(unpack_context(bytes, entity, 1'000'000));
+  EXPECT_TRUE(is_refused([](EntityContext& c) {
     if (!c.visibility.empty()) c.visibility[0] = static_cast<EntityContext::Visibility>(7);
   }));
   EXPECT_TRUE(is_refused([](EntityContext& c) {
