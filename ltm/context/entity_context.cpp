@@ -13,13 +13,8 @@ size_t bytes_of(const std::vector<T>& column) {
   return column.capacity() * sizeof(T);
 }
 
-template <typename T>
-std::vector<uint32_t> indices_in(std::vector<T>& known, const std::vector<T>& values) {
-  std::vector<uint32_t> indices;
-  indices.reserve(values.size());
-  for (const T& value : values) indices.push_back(index_in(known, value));
-  return indices;
-}
+/// Lenses that are compared; more would take a time that is quadratic in their number.
+constexpr size_t kComparedLenses = 16;
 
 void copy_cells(const std::vector<double>& from, size_t row, size_t width,
                 std::vector<double>& to) {
@@ -56,15 +51,26 @@ size_t first_row(const std::vector<uint32_t>& snapshots, uint32_t snapshot) {
   return static_cast<size_t>(std::ranges::lower_bound(snapshots, snapshot) - snapshots.begin());
 }
 
+uint32_t index_of_lens(std::vector<Intrinsics>& known, const Intrinsics& lens) {
+  const size_t end = known.size() > kComparedLenses ? known.size() - kComparedLenses : 0;
+  for (size_t i = known.size(); i > end; --i)
+    if (known[i - 1] == lens) return static_cast<uint32_t>(i - 1);
+  known.push_back(lens);
+  return static_cast<uint32_t>(known.size() - 1);
+}
+
 ContextMerger::Source& ContextMerger::source_of(const EntityContext& from) {
   if (last_ < sources_.size() && sources_[last_].from == &from) return sources_[last_];
   for (last_ = 0; last_ < sources_.size(); ++last_)
     if (sources_[last_].from == &from) return sources_[last_];
   Source source;
   source.from = &from;
-  source.frames = indices_in(merged_.frames, from.frames);
-  source.intrinsics = indices_in(merged_.intrinsics, from.intrinsics);
-  source.targets = indices_in(merged_.targets, from.targets);
+  for (const std::string& frame : from.frames)
+    source.frames.push_back(frames_.of(frame, merged_.frames));
+  for (const Intrinsics& lens : from.intrinsics)
+    source.intrinsics.push_back(index_of_lens(merged_.intrinsics, lens));
+  for (const MemoryId& target : from.targets)
+    source.targets.push_back(targets_.of(target, merged_.targets));
   sources_.push_back(std::move(source));
   return sources_.back();
 }

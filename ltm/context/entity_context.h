@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "ltm/core/time.h"
@@ -87,9 +88,6 @@ struct EntityContext {
   /// What a row of the links leads to: an entity, a snapshot or an instance.
   [[nodiscard]] MemoryId link(size_t row) const;
 
-  [[nodiscard]] bool is_empty() const {
-    return places.size() + cameras.size() + links.size() + spans.size() == 0;
-  }
   /// Bytes in memory, about.
   [[nodiscard]] size_t held_bytes() const;
 
@@ -97,6 +95,23 @@ struct EntityContext {
   [[nodiscard]] std::optional<uint32_t> find(Time time) const;
 
   friend bool operator==(const EntityContext&, const EntityContext&) = default;
+};
+
+/// The indices of values in a list that has each once. There may be as many as there are snapshots.
+///
+/// Threading: one thread.
+template <typename T>
+class KnownIndices {
+ public:
+  /// The index of `value` in `list`, to which it is added if it is new.
+  uint32_t of(const T& value, std::vector<T>& list) {
+    const auto [found, is_new] = known_.try_emplace(value, static_cast<uint32_t>(list.size()));
+    if (is_new) list.push_back(value);
+    return found->second;
+  }
+
+ private:
+  std::unordered_map<T, uint32_t> known_;
 };
 
 /// Copies snapshots of several contexts of one entity into one, in the order of time.
@@ -120,6 +135,8 @@ class ContextMerger {
   Source& source_of(const EntityContext& from);
 
   EntityContext merged_;
+  KnownIndices<std::string> frames_;
+  KnownIndices<MemoryId> targets_;
   std::vector<Source> sources_;
   size_t last_ = 0;
 };
@@ -127,13 +144,8 @@ class ContextMerger {
 /// Where the rows of a snapshot begin in a column of snapshots.
 [[nodiscard]] size_t first_row(const std::vector<uint32_t>& snapshots, uint32_t snapshot);
 
-/// The index of `value` in `known`, to which it is added if it is new.
-template <typename T>
-uint32_t index_in(std::vector<T>& known, const T& value) {
-  for (size_t i = known.size(); i > 0; --i)
-    if (known[i - 1] == value) return static_cast<uint32_t>(i - 1);
-  known.push_back(value);
-  return static_cast<uint32_t>(known.size() - 1);
-}
+/// The index of intrinsics in a list, to which they are added if they are not among the last ones:
+/// a camera has the same for long, or other ones each time.
+uint32_t index_of_lens(std::vector<Intrinsics>& known, const Intrinsics& lens);
 
 }  // namespace engram::ltm

@@ -205,7 +205,7 @@ void ContextReader::add_value(const idf::Data& value, int32_t instance) {
       calibration = static_cast<int32_t>(context_.links.size());
     context_.links.snapshot.push_back(snapshot);
     context_.links.instance.push_back(instance);
-    context_.links.target.push_back(index_in(context_.targets, link.id.entity()));
+    context_.links.target.push_back(targets_.of(link.id.entity(), context_.targets));
     context_.links.time.push_back(link.id.time() ? to_ns(*link.id.time())
                                                  : EntityContext::Links::kNoTime);
     context_.links.index.push_back(link.id.index().value_or(EntityContext::Links::kNoInstance));
@@ -216,17 +216,17 @@ void ContextReader::add_value(const idf::Data& value, int32_t instance) {
   find_poses(value, {}, {}, {}, 0, poses);
   for (const FoundPose& pose : poses) {
     context_.places.snapshot.push_back(snapshot);
-    context_.places.frame.push_back(index_in(context_.frames, std::string(pose.frame)));
+    context_.places.frame.push_back(frames_.of(std::string(pose.frame), context_.frames));
     context_.places.position.insert(context_.places.position.end(), pose.position.begin(),
                                     pose.position.end());
   }
   if (!calibration)
     if (const auto own = intrinsics_in(value))
-      calibration = -1 - static_cast<int32_t>(index_in(context_.intrinsics, *own));
+      calibration = -1 - static_cast<int32_t>(index_of_lens(context_.intrinsics, *own));
   if (const FoundPose* pose = pose_of_camera(poses); calibration && pose != nullptr) {
     context_.cameras.snapshot.push_back(snapshot);
     context_.cameras.instance.push_back(instance);
-    context_.cameras.frame.push_back(index_in(context_.frames, std::string(pose->frame)));
+    context_.cameras.frame.push_back(frames_.of(std::string(pose->frame), context_.frames));
     context_.cameras.position.insert(context_.cameras.position.end(), pose->position.begin(),
                                      pose->position.end());
     context_.cameras.orientation.insert(context_.cameras.orientation.end(),

@@ -40,6 +40,8 @@ class ContextReader {
 
   std::optional<idf::Type> type_;
   EntityContext context_;
+  KnownIndices<std::string> frames_;
+  KnownIndices<MemoryId> targets_;
 };
 
 /// Whether values of a type can have anything of a context: most of what is recorded are numbers

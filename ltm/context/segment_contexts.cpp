@@ -20,23 +20,18 @@ std::optional<uint32_t> segment_of_context(const SnapshotEntry& entry) {
   return std::nullopt;
 }
 
-/// The context of an entity in a segment's index; nothing if it is not there or damaged.
-std::optional<EntityContext> indexed(StoreReader& store, uint32_t segment, const MemoryId& entity) {
-  const SegmentInfo& info = store.manifest().segments[segment];
-  const auto bytes = read_segment_index(store.path(), info, kContextIndex);
-  if (!bytes.ok()) return std::nullopt;
-  auto context = unpack_context(bytes->bytes(), entity);
-  if (context.ok()) return *std::move(context);
-  log::warning("store '{}': index of '{}': {}", store.path().string(), info.file,
-               context.status().message());
-  return std::nullopt;
-}
-
 /// Gathers the context of one entity.
 class Gathering {
  public:
-  Gathering(StoreReader& store, const MemoryId& entity, const DecodeLatents& decode)
-      : store_(store), entity_(entity), decode_(decode) {}
+  Gathering(StoreReader& store, ContextIndexes& indexes, const MemoryId& entity,
+            const DecodeLatents& decode)
+      : store_(store),
+        indexes_(indexes),
+        entity_(entity),
+        decode_(decode),
+        type_(store.manifest().types.of_entity(entity)),
+        tells_(type_ == nullptr || tells_context(*type_)),
+        reader_(type_ == nullptr ? std::nullopt : std::optional(*type_)) {}
 
   /// Adds a snapshot, later than those before.
   void add(const SnapshotEntry& entry) {
@@ -54,7 +49,10 @@ class Gathering {
   }
 
   EntityContext take() && {
-    EntityContext read = std::move(reader()).take();
+    if (unread_ > 1)
+      log::warning("'{}': places and links of {} more snapshots cannot be read",
+                   entity_.to_string(), unread_ - 1);
+    EntityContext read = std::move(reader_).take();
     // A single source needs no copy.
     if (read_ == rows_.size()) return read;
     ContextMerger merger;
@@ -77,31 +75,22 @@ class Gathering {
   };
 
   Indexed& index_of(uint32_t segment) {
-    const auto [there, is_new] = indexes_.try_emplace(segment);
-    if (is_new) there->second.context = indexed(store_, segment, entity_);
+    const auto [there, is_new] = found_.try_emplace(segment);
+    if (is_new) there->second.context = indexes_.find(segment, entity_);
     return there->second;
   }
 
-  ContextReader& reader() {
-    if (!reader_) {
-      const idf::Type* type = store_.manifest().types.of_entity(entity_);
-      reader_.emplace(type == nullptr ? std::nullopt : std::optional(*type));
-    }
-    return *reader_;
-  }
-
   void read(const SnapshotEntry& entry) {
-    const idf::Type* type = store_.manifest().types.of_entity(entity_);
-    if (type != nullptr && !tells_) tells_ = tells_context(*type);
-    if (tells_ && !*tells_) {
-      reader().add(entry.time, {});
+    if (!tells_) {
+      reader_.add(entry.time, {});
       return;
     }
     const auto values = values_of(entry);
-    if (!values.ok())
+    // One is named: there may be as many as there are snapshots.
+    if (!values.ok() && unread_++ == 0)
       log::warning("'{}': its places and links cannot be read: {}",
                    entity_.at(entry.time).to_string(), values.status().message());
-    reader().add(entry.time, values.ok() ? *values : std::vector<InstanceResult>());
+    reader_.add(entry.time, values.ok() ? *values : std::vector<InstanceResult>());
   }
 
   Result<std::vector<InstanceResult>> values_of(const SnapshotEntry& entry) {
@@ -121,11 +110,14 @@ class Gathering {
   }
 
   StoreReader& store_;
+  ContextIndexes& indexes_;
   const MemoryId& entity_;
   const DecodeLatents& decode_;
-  std::map<uint32_t, Indexed> indexes_;
-  std::optional<ContextReader> reader_;
-  std::optional<bool> tells_;  ///< Whether its type can have places, links or spans, if it has one.
+  const idf::Type* const type_;  ///< Null if it is not known.
+  const bool tells_;             ///< Whether its values can have places, links or spans.
+  ContextReader reader_;
+  std::map<uint32_t, Indexed> found_;  ///< By segment.
+  size_t unread_ = 0;                  ///< Snapshots that cannot be read.
   /// Each snapshot's context and its row there; null: in what was read.
   std::vector<std::pair<const EntityContext*, uint32_t>> rows_;
   uint32_t read_ = 0;
@@ -136,10 +128,11 @@ Result<SegmentContexts> contexts_of_segment(StoreReader& store, uint32_t segment
                                             const DecodeLatents& decode,
                                             const std::stop_token& stop) {
   SegmentContexts contexts;
+  ContextIndexes indexes(store);
   for (const SegmentEntity& entity : store.manifest().segments[segment].entities) {
     if (stop.stop_requested()) return cancelled("indexing places and links");
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store.timeline(entity.id));
-    Gathering gathering(store, entity.id, decode);
+    Gathering gathering(store, indexes, entity.id, decode);
     ENGRAM_RETURN_IF_ERROR(
         timeline->for_each(entity.first, entity.last, [&](const SnapshotEntry& entry) -> Status {
           if (segment_of_context(entry) == segment) gathering.add(entry);
@@ -152,10 +145,41 @@ Result<SegmentContexts> contexts_of_segment(StoreReader& store, uint32_t segment
 
 }  // namespace
 
-Result<EntityContext> context_in_store(StoreReader& store, const MemoryId& entity,
-                                       const DecodeLatents& decode) {
+ContextIndexes::File& ContextIndexes::file(uint32_t segment) {
+  if (const auto known = files_.find(segment); known != files_.end()) return known->second;
+  File read;
+  const SegmentInfo& info = store_.manifest().segments[segment];
+  if (auto bytes = read_segment_index(store_.path(), info, kContextIndex); bytes.ok()) {
+    read.bytes = *std::move(bytes);
+    if (auto contexts = list_contexts(read.bytes.bytes()); contexts.ok())
+      read.contexts = *std::move(contexts);
+    else
+      log::warning("store '{}': index of '{}': {}", store_.path().string(), info.file,
+                   contexts.status().message());
+  }
+  if (kept_bytes_ + read.bytes.size() > kMaxKeptBytes) {
+    files_.clear();
+    kept_bytes_ = 0;
+  }
+  kept_bytes_ += read.bytes.size();
+  return files_.emplace(segment, std::move(read)).first->second;
+}
+
+std::optional<EntityContext> ContextIndexes::find(uint32_t segment, const MemoryId& entity) {
+  const File& index = file(segment);
+  const auto packed = index.contexts.find(entity.to_string());
+  if (packed == index.contexts.end()) return std::nullopt;
+  auto context = unpack_listed(packed->second);
+  if (context.ok()) return *std::move(context);
+  log::warning("store '{}': index of '{}': {}", store_.path().string(),
+               store_.manifest().segments[segment].file, context.status().message());
+  return std::nullopt;
+}
+
+Result<EntityContext> context_in_store(StoreReader& store, ContextIndexes& indexes,
+                                       const MemoryId& entity, const DecodeLatents& decode) {
   ENGRAM_ASSIGN_OR_RETURN(const auto* const entries, store.index(entity));
-  Gathering gathering(store, entity, decode);
+  Gathering gathering(store, indexes, entity, decode);
   for (const SnapshotEntry& entry : *entries) gathering.add(entry);
   return std::move(gathering).take();
 }

@@ -157,7 +157,40 @@ Status context_damaged() {
   return data_loss("an index of places and links is damaged");
 }
 
-Result<EntityContext> unpack_one(std::span<const std::byte> packed, size_t max_bytes) {
+/// Calls `visit` with the ID and the packed bytes of each entity.
+template <typename Visit>
+Status walk_packed(std::span<const std::byte> bytes, const Visit& visit) {
+  FieldReader fields(bytes);
+  const auto version = fields.number<uint32_t>();
+  if (!fields.is_whole() || version != kContextVersion)
+    return data_loss("an index of places and links has version {}, and {} was needed", version,
+                     kContextVersion);
+  for (auto left = fields.number<uint32_t>(); left > 0; --left) {
+    const std::string_view id = fields.text();
+    const auto packed = fields.bytes(fields.number<uint64_t>());
+    if (!fields.is_whole()) return context_damaged();
+    ENGRAM_RETURN_IF_ERROR(visit(id, packed));
+  }
+  return fields.is_whole() ? Status() : context_damaged();
+}
+
+}  // namespace
+
+std::vector<std::byte> pack_contexts(const SegmentContexts& contexts) {
+  Bytes bytes;
+  Writer fields(bytes);
+  fields.number(kContextVersion);
+  fields.number(static_cast<uint32_t>(contexts.size()));
+  for (const auto& [entity, context] : contexts) {
+    fields.text(entity.to_string());
+    const Bytes packed = compress_zstd(pack_one(context));
+    fields.number(static_cast<uint64_t>(packed.size()));
+    fields.bytes(packed);
+  }
+  return bytes;
+}
+
+Result<EntityContext> unpack_listed(std::span<const std::byte> packed, size_t max_bytes) {
   ENGRAM_ASSIGN_OR_RETURN(const auto plain, decompress_zstd(packed, max_bytes));
   FieldReader fields(plain);
   EntityContext context;
@@ -194,50 +227,23 @@ Result<EntityContext> unpack_one(std::span<const std::byte> packed, size_t max_b
   return context;
 }
 
-/// Calls `visit` with the ID and the packed bytes of each entity.
-template <typename Visit>
-Status walk_packed(std::span<const std::byte> bytes, const Visit& visit) {
-  FieldReader fields(bytes);
-  const auto version = fields.number<uint32_t>();
-  if (!fields.is_whole() || version != kContextVersion)
-    return data_loss("an index of places and links has version {}, and {} was needed", version,
-                     kContextVersion);
-  for (auto left = fields.number<uint32_t>(); left > 0; --left) {
-    const std::string_view id = fields.text();
-    const auto packed = fields.bytes(fields.number<uint64_t>());
-    if (!fields.is_whole()) return context_damaged();
-    ENGRAM_RETURN_IF_ERROR(visit(id, packed));
-  }
-  return fields.is_whole() ? Status() : context_damaged();
-}
-
-}  // namespace
-
-std::vector<std::byte> pack_contexts(const SegmentContexts& contexts) {
-  Bytes bytes;
-  Writer fields(bytes);
-  fields.number(kContextVersion);
-  fields.number(static_cast<uint32_t>(contexts.size()));
-  for (const auto& [entity, context] : contexts) {
-    fields.text(entity.to_string());
-    const Bytes packed = compress_zstd(pack_one(context));
-    fields.number(static_cast<uint64_t>(packed.size()));
-    fields.bytes(packed);
-  }
-  return bytes;
+Result<PackedContexts> list_contexts(std::span<const std::byte> bytes) {
+  PackedContexts found;
+  ENGRAM_RETURN_IF_ERROR(
+      walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
+        found.emplace(name, packed);
+        return {};
+      }));
+  return found;
 }
 
 Result<std::optional<EntityContext>> unpack_context(std::span<const std::byte> bytes,
                                                     const MemoryId& entity, size_t max_bytes) {
-  const std::string id = entity.to_string();
-  std::optional<EntityContext> found;
-  ENGRAM_RETURN_IF_ERROR(
-      walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
-        if (name != id || found) return {};
-        ENGRAM_ASSIGN_OR_RETURN(found, unpack_one(packed, max_bytes));
-        return {};
-      }));
-  return found;
+  ENGRAM_ASSIGN_OR_RETURN(const PackedContexts all, list_contexts(bytes));
+  const auto found = all.find(entity.to_string());
+  if (found == all.end()) return std::optional<EntityContext>();
+  ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_listed(found->second, max_bytes));
+  return std::optional(std::move(context));
 }
 
 Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes) {
@@ -246,7 +252,7 @@ Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes) {
       walk_packed(bytes, [&](std::string_view name, std::span<const std::byte> packed) -> Status {
         auto entity = MemoryId::parse(name);
         if (!entity.ok() || !entity->is_entity()) return context_damaged();
-        ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_one(packed, kMaxContextPlainBytes));
+        ENGRAM_ASSIGN_OR_RETURN(EntityContext context, unpack_listed(packed));
         contexts.emplace_back(*std::move(entity), std::move(context));
         return {};
       }));

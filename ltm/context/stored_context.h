@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <span>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -28,6 +30,17 @@ inline constexpr size_t kMaxContextPlainBytes = size_t{2} << 30;
 Result<std::optional<EntityContext>> unpack_context(std::span<const std::byte> bytes,
                                                     const MemoryId& entity,
                                                     size_t max_bytes = kMaxContextPlainBytes);
+
+/// Where each context lies in what pack_contexts() wrote, by the printed ID of its entity. Valid as
+/// long as the bytes.
+using PackedContexts = std::unordered_map<std::string_view, std::span<const std::byte>>;
+
+/// Finds all contexts without reading them. Errors: kDataLoss.
+Result<PackedContexts> list_contexts(std::span<const std::byte> bytes);
+
+/// Reads one that was found. Safe on hostile bytes. Errors: kDataLoss.
+Result<EntityContext> unpack_listed(std::span<const std::byte> packed,
+                                    size_t max_bytes = kMaxContextPlainBytes);
 
 /// Reads all of them. Errors: kDataLoss.
 Result<SegmentContexts> unpack_contexts(std::span<const std::byte> bytes);

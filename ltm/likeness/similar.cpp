@@ -171,7 +171,7 @@ class LikenessSearch::Question {
       if (entity == nullptr) break;
       if (!query.conditions.empty()) {
         ENGRAM_ASSIGN_OR_RETURN(const auto met,
-                                select_snapshots({&query, 1}, *entity, list_meeting()));
+                                select_snapshots({&query, 1}, *entity, list_meeting(*entity)));
         for (const SelectedSnapshot& one : met) {
           const auto found = std::ranges::lower_bound(coded.times, one.time);
           if (found != coded.times.end() && *found == one.time)
@@ -192,15 +192,14 @@ class LikenessSearch::Question {
   }
 
   /// What answers the conditions of the query, as the view sees them.
-  ListMoments list_meeting() {
-    return list_moments(
-        past_,
-        [this](const MemoryId& entity) -> Result<std::unique_ptr<EntityPast>> {
-          ENGRAM_ASSIGN_OR_RETURN(auto past, past_.of(entity));
-          if (view_ == nullptr) return past;
-          return seen_past(std::move(past), sight_of(view_, entity).times);
-        },
-        request_.entity, request_.among->named_entities().has_value());
+  ListMoments list_meeting(EntityPast& own) {
+    return list_moments(past_,
+                        [this](const MemoryId& entity) -> Result<std::unique_ptr<EntityPast>> {
+                          ENGRAM_ASSIGN_OR_RETURN(auto past, past_.of(entity));
+                          if (view_ == nullptr) return past;
+                          return seen_past(std::move(past), sight_of(view_, entity).times);
+                        },
+                        request_.entity, own, request_.among->named_entities().has_value(), {});
   }
 
   LikenessSearch& search_;

@@ -25,6 +25,12 @@ using SeenPastOf = std::function<Result<std::unique_ptr<EntityPast>>(const Memor
                                        bool is_named,
                                        std::shared_ptr<const OtherContexts> others = {});
 
+/// The same for who has the past of the entity already and selects among its moments: what was
+/// committed meanwhile is not listed. `own` must outlive it.
+[[nodiscard]] ListMoments list_moments(KnownPast& past, SeenPastOf seen, const MemoryId& entity,
+                                       EntityPast& own, bool is_named,
+                                       std::shared_ptr<const OtherContexts> others);
+
 /// The context of an entity for who asks another memory: cameras have their intrinsics themselves.
 /// Null if there is no such entity, or if nothing of it is seen.
 /// Errors: those of the past.

@@ -169,10 +169,11 @@ struct Recall::State {
   }
 
   /// What answers the conditions of a query on an entity; nothing if it has none.
-  ListMoments listed(const MemoryId& id, const Query& query, const Options& options) const {
+  ListMoments listed(const MemoryId& id, EntityPast& own, const Query& query,
+                     const Options& options) const {
     if (!query.has_conditions()) return {};
     return list_moments(
-        *past, [this, options](const MemoryId& entity) { return seen(entity, options); }, id,
+        *past, [this, options](const MemoryId& entity) { return seen(entity, options); }, id, own,
         query.named_entities().has_value(), options.others);
   }
 
@@ -182,8 +183,9 @@ struct Recall::State {
     RecalledEntity result{id, {}};
     ENGRAM_ASSIGN_OR_RETURN(const auto entity, seen(id, options));
     if (!entity) return options.view ? std::nullopt : std::optional(std::move(result));
-    ENGRAM_ASSIGN_OR_RETURN(const auto selection, select_snapshots(query.snapshots_of(id), *entity,
-                                                                   listed(id, query, options)));
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto selection,
+        select_snapshots(query.snapshots_of(id), *entity, listed(id, *entity, query, options)));
     const auto future = std::ranges::find(selection, true, &SelectedSnapshot::is_future);
     for (auto selected = selection.begin(); selected != future; ++selected)
       ENGRAM_RETURN_IF_ERROR(add_past(*entity, *selected, query, options, bytes, result));
@@ -202,7 +204,7 @@ struct Recall::State {
       ENGRAM_ASSIGN_OR_RETURN(
           position.selected,
           SelectedMoments::create(cursor.query.snapshots_of(result.id), *entity,
-                                  listed(result.id, cursor.query, cursor.options)));
+                                  listed(result.id, *entity, cursor.query, cursor.options)));
     }
     Options options = cursor.options;
     options.max_answer_bytes = SIZE_MAX;

@@ -69,6 +69,11 @@ Result<std::shared_ptr<const EntityContext>> SeenContexts::of(const MemoryId& en
   return context;
 }
 
+Status SeenContexts::gather(const MemoryId& entity, EntityPast& own) {
+  ENGRAM_ASSIGN_OR_RETURN(contexts_[entity], own.context(past_.type_of(entity)));
+  return {};
+}
+
 Result<std::optional<Intrinsics>> SeenContexts::intrinsics(const MemoryId& link) {
   ENGRAM_ASSIGN_OR_RETURN(const auto past, seen_(link.entity()));
   if (!past) return std::optional<Intrinsics>();
@@ -104,7 +109,7 @@ Result<SharedContext> context_for_others(KnownPast& past, const SeenPastOf& seen
     }
     // A camera of no size sees nothing, as one without intrinsics.
     const Intrinsics own = found->second.value_or(Intrinsics{});
-    calibration = -1 - static_cast<int32_t>(index_in(context.intrinsics, own));
+    calibration = -1 - static_cast<int32_t>(index_of_lens(context.intrinsics, own));
   }
   return SharedContext(std::make_shared<const EntityContext>(std::move(context)));
 }
@@ -114,6 +119,16 @@ ListMoments list_moments(KnownPast& past, SeenPastOf seen, const MemoryId& entit
   return [&past, seen = std::move(seen), entity, is_named,
           others = std::move(others)](std::span<const Condition> conditions) {
     SeenContexts contexts(past, seen, others);
+    return moments_meeting(entity, conditions, is_named, contexts);
+  };
+}
+
+ListMoments list_moments(KnownPast& past, SeenPastOf seen, const MemoryId& entity, EntityPast& own,
+                         bool is_named, std::shared_ptr<const OtherContexts> others) {
+  return [&past, seen = std::move(seen), entity, &own, is_named, others = std::move(others)](
+             std::span<const Condition> conditions) -> Result<std::vector<Time>> {
+    SeenContexts contexts(past, seen, others);
+    ENGRAM_RETURN_IF_ERROR(contexts.gather(entity, own));
     return moments_meeting(entity, conditions, is_named, contexts);
   };
 }

@@ -21,6 +21,9 @@ class SeenContexts final : public KnownContexts {
   SeenContexts(KnownPast& past, SeenPastOf seen, std::shared_ptr<const OtherContexts> others = {})
       : past_(past), seen_(std::move(seen)), others_(std::move(others)) {}
 
+  /// Gathers the context of an entity from a past of it that is there already.
+  Status gather(const MemoryId& entity, EntityPast& own);
+
   Result<std::shared_ptr<const EntityContext>> of(const MemoryId& entity) override;
   Result<std::optional<Intrinsics>> intrinsics(const MemoryId& link) override;
   Result<std::optional<bool>> is_hidden(const MemoryId& image, double x, double y,

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <functional>
 
-#include "ltm/context/segment_contexts.h"
 #include "ltm/recall/timeline_moments.h"
 
 namespace engram::ltm {
@@ -110,9 +109,11 @@ Result<SharedContext> StorePast::context_of(const std::shared_ptr<PastReader>& r
   const bool is_newest = reader == reader_;
   if (is_newest)
     if (const auto known = contexts_.find(entity); known != contexts_.end()) return known->second;
+  if (is_newest && !indexes_) indexes_ = std::make_unique<ContextIndexes>(reader->store());
+  ContextIndexes of_earlier(reader->store());
   ENGRAM_ASSIGN_OR_RETURN(
       EntityContext context,
-      context_in_store(reader->store(), entity,
+      context_in_store(reader->store(), is_newest ? *indexes_ : of_earlier, entity,
                        [&reader](const MemoryId& id, const SnapshotEntry& entry) {
                          return reader->read(id, entry, Prefer::kLatent);
                        }));
@@ -172,8 +173,9 @@ Result<std::vector<Engine>> StorePast::models_trained_until(const MemoryId& enti
 Status StorePast::renew() {
   StoreMark mark = look_at_store(reader_->store().path());
   ENGRAM_ASSIGN_OR_RETURN(auto store, StoreReader::open(reader_->store().path()));
-  reader_ = std::make_shared<PastReader>(std::move(store), models_);
+  indexes_.reset();
   clear_contexts();
+  reader_ = std::make_shared<PastReader>(std::move(store), models_);
   mark_ = std::move(mark);
   ++opened_;
   return {};

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "ltm/context/segment_contexts.h"
 #include "ltm/recall/decoded_cache.h"
 #include "ltm/recall/known_past.h"
 #include "ltm/recall/past_reader.h"
@@ -92,6 +93,7 @@ class StorePast final : public KnownPast {
   std::shared_ptr<PastReader> reader_;  ///< Shared with the entity pasts of this generation.
   DecodedCache decoded_;
   bool keeps_decoded_ = true;
+  std::unique_ptr<ContextIndexes> indexes_;     ///< Of this generation; null: none was read.
   std::map<MemoryId, SharedContext> contexts_;  ///< Of this generation.
   size_t context_bytes_ = 0;
   std::atomic<uint64_t> opened_{1};

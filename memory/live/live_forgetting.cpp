@@ -164,9 +164,11 @@ class LiveForgetting {
       std::vector<Time> visible;
       std::ranges::copy_if(times, std::back_inserter(visible),
                            [&seen](Time time) { return seen.contains(time); });
+      const auto queries = query.snapshots_of(entity);
+      ENGRAM_RETURN_IF_ERROR(ltm::refuse_conditions(
+          queries, fmt::format("'{}', of which filters hold snapshots", entity.to_string())));
       ltm::ListedMoments moments(std::move(visible));
-      ENGRAM_ASSIGN_OR_RETURN(const auto selected,
-                              ltm::select_snapshots(query.snapshots_of(entity), moments));
+      ENGRAM_ASSIGN_OR_RETURN(const auto selected, ltm::select_snapshots(queries, moments));
       std::vector<Time> chosen;
       for (const ltm::SelectedSnapshot& one : selected)
         if (!one.is_future) chosen.push_back(one.time);

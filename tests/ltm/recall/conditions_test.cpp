@@ -234,6 +234,71 @@ TEST(Conditions, AreAnsweredWithoutAnIndexThatIsDamaged) {
   }
 }
 
+/// A camera that looks at a wall 3 m away, and depth images of it.
+void record_depths(const std::filesystem::path& store) {
+  ASSERT_OK(create_store(store));
+  const auto writer = StoreWriter::open(store, {});
+  ASSERT_OK(writer);
+  const auto id = [](const std::string& text) { return *MemoryId::parse(text); };
+  const auto pose = [](double z) {
+    return idf::Data(idf::Dict{{"position", idf::NdArray::take<double>({3}, {0, 0, z})},
+                               {"orientation", idf::NdArray::take<double>({4}, {1, 0, 0, 0})}});
+  };
+  ASSERT_OK((*writer)->declare(
+      id("Vision/Depth"),
+      idf::Type::object("DepthView", {{"depth", idf::Type::image(idf::PixelType::kDepth16)},
+                                      {"view", idf::Type::memory_link()}})));
+  // Nothing before it, something 1 m away, nothing measured, its own surface, and no image at all.
+  const std::vector<std::optional<uint16_t>> depths = {3000, 1000, 0, 1900, std::nullopt};
+  for (size_t i = 0; i < depths.size(); ++i) {
+    const Time time = example_time(static_cast<int64_t>(i));
+    const MemoryId camera = id("Vision/RGB/head/camera");
+    std::vector<PackedSnapshot> commit;
+    commit.push_back(pack_snapshot({camera,
+                                    time,
+                                    {{idf::Dict{{"pose_world_camera", pose(0)},
+                                                {"fx", 8.0},
+                                                {"fy", 8.0},
+                                                {"cx", 7.5},
+                                                {"cy", 7.5},
+                                                {"width", 16},
+                                                {"height", 16}},
+                                      {}}}}));
+    commit.push_back(
+        pack_snapshot({id("Objects/a/b/cup"),
+                       time,
+                       {{idf::Dict{{"pose_world_cup", pose(2)}, {"is_visible", false}}, {}}}}));
+    if (depths[i]) {
+      std::vector<uint16_t> pixels(16 * 16, *depths[i]);
+      commit.push_back(
+          pack_snapshot({id("Vision/Depth/head/camera"),
+                         time,
+                         {{idf::Dict{{"depth", idf::NdArray::take({16, 16, 1}, std::move(pixels))},
+                                     {"view", camera.at(time).instance(0).to_string()}},
+                           {}}}}));
+    }
+    ASSERT_OK((*writer)->append(commit, nullptr));
+  }
+}
+
+TEST(Conditions, AskDepthImagesWhetherTheViewWasBlocked) {
+  ScratchDirectory scratch;
+  const auto path = scratch.path() / "store";
+  record_depths(path);
+  const auto recall = recall_of(path);
+  const auto ask = [&recall](const std::string& text) {
+    return times_of(recall->query(*Query::parse("?ids " + text)));
+  };
+  const std::vector<Time> all = {example_time(0), example_time(1), example_time(2), example_time(3),
+                                 example_time(4)};
+  std::vector<Time> in_vain = all;
+  in_vain.erase(in_vain.begin() + 1);
+  EXPECT_EQ(ask("Vision/RGB/head/camera @ all in-view Objects/a/b/cup"), all);
+  EXPECT_EQ(ask("Vision/RGB/head/camera @ all in-vain Objects/a/b/cup"), in_vain);
+  EXPECT_EQ(ask("Objects/a/b/cup @ all in-vain Vision/RGB/head/camera"), in_vain);
+  EXPECT_TRUE(ask("Vision/RGB/head/camera @ all seen-with Objects/a/b/cup").empty());
+}
+
 /// Sees nothing of one entity, and of the others nothing before a time.
 class PartialView final : public View {
  public:
