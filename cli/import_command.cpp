@@ -74,6 +74,8 @@ ExitCode finish(const ImportArguments& arguments, ltm::Recorder& recorder,
                 const Result<datasets::RecordingImportReport>& report) {
   const Status closed = recorder.close();
   indexer.finish(interrupt_token());
+  if (const uint64_t left = indexer.counters().left; left > 0)
+    log::warning("{} segments have no indexes yet: the next night makes them", left);
   if (!report.ok()) fail(report.status());
   if (!closed.ok()) fail(closed);
   if (!report.ok() || !closed.ok()) return ExitCode::kFailed;

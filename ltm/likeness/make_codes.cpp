@@ -18,11 +18,9 @@ namespace {
 /// The space that is there, if it may still be used for an entity of so many snapshots.
 std::optional<LikenessSpace> usable_space(StoreReader& store, const MemoryId& entity,
                                           size_t snapshots) {
-  const auto bytes = read_entity_index(store.path(), entity, kSpaceIndex);
-  if (!bytes.ok()) return std::nullopt;
-  auto space = LikenessSpace::unpack(bytes->bytes());
-  if (!space.ok() || snapshots >= 2 * space->snapshots) return std::nullopt;
-  return *std::move(space);
+  auto space = read_space(store, entity);
+  if (space && snapshots >= 2 * space->snapshots) space.reset();
+  return space;
 }
 
 /// Replaces the codes of one entity in a segment's index.

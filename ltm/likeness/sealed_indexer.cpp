@@ -37,21 +37,16 @@ std::set<std::string> spaces_of(const std::filesystem::path& store) {
   return files;
 }
 
-std::optional<LikenessSpace> space_of(const StoreReader& store, const MemoryId& entity) {
-  const auto bytes = read_entity_index(store.path(), entity, kSpaceIndex);
-  if (!bytes.ok()) return std::nullopt;
-  auto space = LikenessSpace::unpack(bytes->bytes());
-  return space.ok() ? std::optional(*std::move(space)) : std::nullopt;
-}
-
-/// Adds the codes of one entity to the index of a segment, unless a night was quicker.
-Status add_codes(const StoreReader& store, const SegmentInfo& segment, const EntityCodes& codes) {
+/// Adds codes to the index of a segment. Of entities that a night was quicker with, its codes stay.
+Status add_codes(const StoreReader& store, const SegmentInfo& segment, SegmentCodes codes) {
+  if (codes.empty()) return {};
   const Status stored = edit_segment_index(
       store.path(), segment, kCodesIndex, [&codes](std::span<const std::byte> there) {
         SegmentCodes all;
         if (auto known = unpack_codes(there); known.ok()) all = *std::move(known);
-        if (std::ranges::find(all, codes.entity, &EntityCodes::entity) == all.end())
-          all.push_back(codes);
+        for (EntityCodes& one : codes)
+          if (std::ranges::find(all, one.entity, &EntityCodes::entity) == all.end())
+            all.push_back(std::move(one));
         return pack_codes(all);
       });
   // It was replaced meanwhile, and the next night codes what replaced it.
@@ -109,21 +104,22 @@ void SealedIndexer::run(const std::stop_token& stop) {
 }
 
 Status SealedIndexer::code(const std::string& segment_file, const std::stop_token& stop) {
+  SteadyTime began = steady_now();
   ENGRAM_ASSIGN_OR_RETURN(const auto past, StorePast::open(store_, {}, {}));
   StoreReader& store = past->store();
   const auto& segments = store.manifest().segments;
   const auto segment = std::ranges::find(segments, segment_file, &SegmentInfo::file);
   if (segment == segments.end()) return {};
   const auto number = static_cast<uint32_t>(segment - segments.begin());
-  const SteadyTime began = steady_now();
   // What was just sealed has no latents.
   ENGRAM_RETURN_IF_ERROR(index_segment(store, number, {}, stop).status());
   rest(steady_now() - began, stop);
   const auto spaces = spaces_of(store_);
   if (spaces.empty()) return {};
+  SegmentCodes made;
   for (const SegmentEntity& part : segment->entities) {
     if (!spaces.contains(entity_index_name(part.id, kSpaceIndex))) continue;
-    const auto space = space_of(store, part.id);
+    const auto space = read_space(store, part.id);
     if (!space) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto images, past->of(part.id));
     ENGRAM_ASSIGN_OR_RETURN(Timeline * timeline, store.timeline(part.id));
@@ -141,8 +137,12 @@ Status SealedIndexer::code(const std::string& segment_file, const std::stop_toke
           rest(steady_now() - start, stop);
           return {};
         }));
-    if (!codes.times.empty()) ENGRAM_RETURN_IF_ERROR(add_codes(store, *segment, codes));
+    if (!codes.times.empty()) made.push_back(std::move(codes));
   }
+  began = steady_now();
+  // All at once: each edit reads and writes the whole file under the lock that sealing takes, too.
+  ENGRAM_RETURN_IF_ERROR(add_codes(store, *segment, std::move(made)));
+  rest(steady_now() - began, stop);
   return {};
 }
 

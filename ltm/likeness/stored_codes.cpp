@@ -98,6 +98,13 @@ Result<SegmentCodes> unpack_codes(std::span<const std::byte> bytes) {
   return codes;
 }
 
+std::optional<LikenessSpace> read_space(const StoreReader& store, const MemoryId& entity) {
+  const auto bytes = read_entity_index(store.path(), entity, kSpaceIndex);
+  if (!bytes.ok()) return std::nullopt;
+  auto space = LikenessSpace::unpack(bytes->bytes());
+  return space.ok() ? std::optional(*std::move(space)) : std::nullopt;
+}
+
 StoredCodes StoredCodes::read(StoreReader& store, const MemoryId& entity, uint64_t space) {
   StoredCodes stored;
   const auto& segments = store.manifest().segments;

@@ -40,6 +40,11 @@ inline constexpr const char* kSpaceIndex = "space";
 /// Errors: kDataLoss.
 Result<SegmentCodes> unpack_codes(std::span<const std::byte> bytes);
 
+/// The space in which codes of an entity are made; nothing if none was learned, or if it is
+/// damaged.
+[[nodiscard]] std::optional<LikenessSpace> read_space(const StoreReader& store,
+                                                      const MemoryId& entity);
+
 /// The codes of an entity in all segments of a generation that are of one space.
 ///
 /// A code counts only if its segment still holds the newest form of its moment: a snapshot that was

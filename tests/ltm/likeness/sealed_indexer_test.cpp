@@ -70,14 +70,17 @@ TEST_F(SealedIndexerTest, CodesWhatIsSealedOnceTheEntityHasASpace) {
 TEST_F(SealedIndexerTest, LeavesTheRestToTheNightWhenItEnds) {
   {
     SealedIndexer coder(store_);
-    record(coder, 0);
+    for (int64_t room = 0; room < 3; ++room) record(coder, room);
     ASSERT_OK(make_codes(store_, {}, {}, {}, {}));
-    record(coder, 1);
-    record(coder, 2);
+    // Fewer than would have the night learn anew, and code all again.
+    record(coder, 3);
+    record(coder, 4);
   }
   const auto night = make_codes(store_, {}, {}, {}, {});
   ASSERT_OK(night);
-  EXPECT_EQ(night->front().kept + night->front().coded, static_cast<uint64_t>(3 * kInRoom));
+  EXPECT_FALSE(night->front().is_learned);
+  EXPECT_GT(night->front().coded, 0u) << "it was not stopped";
+  EXPECT_EQ(night->front().kept + night->front().coded, static_cast<uint64_t>(5 * kInRoom));
   EXPECT_EQ(computed(), 0u);
 }
 
