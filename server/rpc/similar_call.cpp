@@ -33,14 +33,22 @@ SimilarCall* SimilarCall::begin(RpcContext& context, const Result<Identity>& who
     return call;
   };
   if (!who.ok()) return refuse(who.status());
+  // Before it waits: who may not read must not keep others out.
+  auto asked = to_request(request);
+  Status may = asked.status();
+  if (may.ok()) may = audited_question(context, *who, *asked);
+  if (!may.ok()) {
+    context.metrics.refused_calls.add();
+    return refuse(may);
+  }
   if (context.similar_calls.fetch_add(1) >= kMaxSimilarCalls) {
     --context.similar_calls;
     return refuse(resource_exhausted("found {} questions about likeness that wait, needs fewer",
                                      kMaxSimilarCalls));
   }
   context.metrics.similar.add();
-  context.comparing.add([call, who = *who, &request, &reply] {
-    const Status status = call->answer(who, request, reply);
+  context.comparing.add([call, who = *who, asked = *std::move(asked), &reply] {
+    const Status status = call->answer(who, asked, reply);
     --call->context_.similar_calls;
     if (!status.ok()) call->context_.metrics.failed_similar.add();
     call->Finish(to_grpc(status));
@@ -48,15 +56,10 @@ SimilarCall* SimilarCall::begin(RpcContext& context, const Result<Identity>& who
   return call;
 }
 
-Status SimilarCall::answer(const Identity& who, const v1::SimilarRequest& message,
+Status SimilarCall::answer(const Identity& who, const ltm::SimilarRequest& request,
                            v1::SimilarReply& reply) {
   // Who asked may have given up while others were answered.
   if (stop_.stop_requested()) return cancelled("nobody waits for the answer");
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::SimilarRequest request, to_request(message));
-  if (Status status = audited_question(context_, who, request); !status.ok()) {
-    context_.metrics.refused_calls.add();
-    return status;
-  }
   ENGRAM_ASSIGN_OR_RETURN(const ltm::SimilarAnswer answer,
                           context_.service.similar(request, who.view(), stop_.get_token()));
   reply = to_message(answer);

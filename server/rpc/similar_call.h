@@ -6,6 +6,7 @@
 
 #include <stop_token>
 
+#include "ltm/likeness/similar_moments.h"
 #include "server/rpc/rpc_context.h"
 
 namespace engram::server {
@@ -25,7 +26,7 @@ class SimilarCall final : public grpc::ServerUnaryReactor {
  private:
   explicit SimilarCall(RpcContext& context) : context_(context) {}
 
-  Status answer(const Identity& who, const v1::SimilarRequest& message, v1::SimilarReply& reply);
+  Status answer(const Identity& who, const ltm::SimilarRequest& request, v1::SimilarReply& reply);
 
   RpcContext& context_;
   std::stop_source stop_;
