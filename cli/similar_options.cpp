@@ -56,7 +56,7 @@ bool is_image_name(const std::string& text) {
 
 Status complete(SimilarArguments& arguments) {
   const bool names_server = !arguments.remote.server.empty() || !arguments.remote.names.empty();
-  // Without a store: LIKE, or LIKE and QUERY.
+  // Without a store: LIKE, or LIKE and QUERY where a server is named.
   if (arguments.like.empty() || (names_server && arguments.query.empty())) {
     arguments.query = std::move(arguments.like);
     arguments.like = std::move(arguments.store);

@@ -138,7 +138,8 @@ void CodedMoments::finish() {
 
 void CodedMoments::finish_from(size_t finished) {
   constexpr size_t kLast = 200'000;
-  if (size() <= kLast) {
+  // What was finished of a part says little of how far apart all are.
+  if (size() <= kLast || finished < size() / 2) {
     finish();
     return;
   }

@@ -36,6 +36,9 @@ class ComparedPast final : public KnownPast {
   [[nodiscard]] std::vector<MemoryId> matching(const Query& query) override;
   Result<std::unique_ptr<EntityPast>> of(const MemoryId& entity) override;
   [[nodiscard]] std::optional<idf::Type> type_of(const MemoryId& entity) const override {
+    // Working memory knows a type before the store does, which learns it with the next seal.
+    if (memory_ != nullptr)
+      if (auto type = memory_->type_of(entity)) return type;
     return store_.type_of(entity);
   }
   Result<std::vector<Engine>> models(const MemoryId& entity) override {

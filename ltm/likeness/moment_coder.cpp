@@ -148,10 +148,7 @@ class MomentCoder::Run {
   }
 
   Status find_space() {
-    std::optional<LikenessSpace> there;
-    if (const auto bytes = read_entity_index(store_.path(), entity(), kSpaceIndex); bytes.ok())
-      if (auto space = LikenessSpace::unpack(bytes->bytes()); space.ok()) there = *std::move(space);
-    if (there) {
+    if (auto there = read_space(store_, entity())) {
       if (!coder_.space_ || coder_.space_->id() != there->id()) forget_codes();
       coder_.space_ = std::move(there);
       coder_.is_stored_space_ = true;
@@ -252,9 +249,12 @@ class MomentCoder::Run {
     const size_t max_count =
         is_image ? entries->size()
                  : std::min(kMaxNumberMoments, std::max<size_t>(kMaxNumbers / coder_.numbers_, 2));
-    const size_t count = std::min(entries->size(), max_count);
+    // By powers of two, so that what was taken of fewer snapshots is taken of more, too.
+    size_t step = 1;
+    while (entries->size() / step > max_count) step *= 2;
+    const size_t count = (entries->size() + step - 1) / step;
     for (size_t i = 0; i < count; ++i) {
-      const SnapshotEntry& entry = (*entries)[i * entries->size() / count];
+      const SnapshotEntry& entry = (*entries)[i * step];
       if (is_unsealed(entry)) continue;
       const uint64_t place = place_of(store_.manifest(), entry);
       if (const auto code = codes.find(entry); !code.empty()) {

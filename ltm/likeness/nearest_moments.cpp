@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <set>
 
 namespace engram::ltm {
 
@@ -16,21 +18,21 @@ constexpr size_t kMoreSorted = 8;
 class Choice {
  public:
   Choice(const CodedMoments& coded, const SimilarRequest& request)
-      : coded_(coded), request_(request) {}
+      : coded_(coded), request_(request), is_used_(coded.recordings.size(), false) {}
 
   /// Leaves out what lies around the moment that was asked with.
   void leave_out(size_t moment) {
-    taken_.push_back(coded_.times[moment]);
-    if (request_.is_elsewhere) used_.push_back(coded_.recording_of(moment));
+    taken_.insert(coded_.times[moment]);
+    if (request_.is_elsewhere) is_used_[coded_.recording_of(moment)] = true;
   }
 
   /// Takes a moment, unless it is too near to one that was taken.
   void take(size_t at, float square) {
     const size_t number = coded_.recording_of(at);
-    if (!is_free(at, number)) return;
+    if (is_used_[number] || !is_free(coded_.times[at])) return;
     const Sequence& recording = coded_.recordings[number];
-    taken_.push_back(coded_.times[at]);
-    if (request_.is_one_per_recording) used_.push_back(number);
+    taken_.insert(coded_.times[at]);
+    is_used_[number] = request_.is_one_per_recording;
     moments.push_back({coded_.times[at], std::sqrt(static_cast<double>(square)),
                        coded_.times[recording.first], coded_.times[recording.end - 1]});
   }
@@ -40,19 +42,17 @@ class Choice {
   std::vector<SimilarMoment> moments;
 
  private:
-  [[nodiscard]] bool is_free(size_t at, size_t recording) const {
-    if (std::ranges::find(used_, recording) != used_.end()) return false;
-    return std::ranges::none_of(taken_, [&](Time taken) {
-      const Duration away =
-          taken > coded_.times[at] ? taken - coded_.times[at] : coded_.times[at] - taken;
-      return away == Duration::zero() || away < request_.apart;
-    });
+  /// Whether the nearest in time of those that were taken is far enough away.
+  [[nodiscard]] bool is_free(Time time) const {
+    const auto next = taken_.lower_bound(time);
+    if (next != taken_.end() && (*next == time || *next - time < request_.apart)) return false;
+    return next == taken_.begin() || time - *std::prev(next) >= request_.apart;
   }
 
   const CodedMoments& coded_;
   const SimilarRequest& request_;
-  std::vector<Time> taken_;
-  std::vector<size_t> used_;  ///< Recordings that may not be answered any more.
+  std::set<Time> taken_;
+  std::vector<bool> is_used_;  ///< Recordings that may not be answered any more.
 };
 
 /// A square that about `count` others are below, by an even sample of all.

@@ -16,7 +16,10 @@ namespace engram::ltm {
 namespace {
 
 /// Codes of a million images take forty megabytes.
-constexpr size_t kMaxKeptEntities = 8;
+/// More than one question may name.
+constexpr size_t kMaxKeptEntities = 32;
+constexpr Duration kMaxContext = std::chrono::hours(24);
+constexpr double kMaxWeight = 1e6;
 
 /// The moment of the request among those with codes.
 Result<size_t> moment_of(const CodedMoments& coded, const MemoryId& entity, Time moment) {
@@ -70,10 +73,14 @@ Status SimilarRequest::validate() const {
   if (count == 0) return invalid_argument("count must be at least 1");
   if (apart < Duration::zero() || context < Duration::zero())
     return invalid_argument("apart and context must not be negative");
+  if (context > kMaxContext)
+    return invalid_argument("context must be at most {}, found {}", to_string(kMaxContext),
+                            to_string(context));
+  // Sums are floats.
   for (const SimilarPart& part : with)
-    if (!(part.weight > 0) || !std::isfinite(part.weight))
-      return invalid_argument("the weight of '{}' must be above 0, found {}",
-                              part.entity.to_string(), part.weight);
+    if (!(part.weight > 0) || part.weight > kMaxWeight)
+      return invalid_argument("the weight of '{}' must be above 0 and at most {}, found {}",
+                              part.entity.to_string(), kMaxWeight, part.weight);
   return {};
 }
 
@@ -93,6 +100,8 @@ class LikenessSearch::Question {
     // Working memory before the store: what leaves it from now on is in the store.
     past_.held(request_.entity);
     for (const SimilarPart& part : request_.with) past_.held(part.entity);
+    if (request_.among)
+      for (const MemoryId& entity : request_.among->condition_entities()) past_.held(entity);
     ENGRAM_RETURN_IF_ERROR(past_.follow());
     answer_.entity = request_.entity;
     ENGRAM_ASSIGN_OR_RETURN(const auto coded, this->coded(request_.entity));
@@ -121,7 +130,8 @@ class LikenessSearch::Question {
     // The message names the entities that there are.
     if (coded.status().code() == StatusCode::kNotFound && view_ != nullptr) return unseen;
     ENGRAM_RETURN_IF_ERROR(coded.status());
-    answer_.computed += coded->computed;
+    // Of moments that are not seen nothing is told, not even that they had to be decoded.
+    if (sight.is_whole()) answer_.computed += coded->computed;
     answer_.space += (answer_.space.empty() ? "" : " + ") + name_of_space(*coded->moments);
     const bool is_image = coded->moments->coded_by == CodedBy::kImages;
     const TimeWindows& seen = is_image ? sight.exact : sight.times;

@@ -277,6 +277,12 @@ TEST_F(SimilarTest, SaysWhatIsWrong) {
   request = like(0, 30);
   request.with = {{arm_entity(), -1}};
   EXPECT_FAILS(find(request), StatusCode::kInvalidArgument, "must be above 0");
+  // As a float it would be infinite, and all distances no numbers.
+  request.with.back().weight = 1e39;
+  EXPECT_FAILS(find(request), StatusCode::kInvalidArgument, "at most 1000000");
+  request.with.clear();
+  request.context = Duration::max();
+  EXPECT_FAILS(find(request), StatusCode::kInvalidArgument, "context must be at most 1d");
 }
 
 TEST_F(SimilarTest, CodesOnlyWhatHasNoCodeYet) {
