@@ -6,6 +6,7 @@
 #include "ltm/core/log.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/recall/index_store.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/store/rewrite.h"
 #include "memory/model_loader.h"
 #include "reports/plain/compact_text.h"
@@ -46,6 +47,14 @@ void index_places(const std::string& store) {
   if (!indexed.ok()) log::warning("places and links have no index: {}", indexed.status().message());
 }
 
+/// What snapshots are worth goes into the segments that they are joined to.
+Result<ltm::RewriteReport> compact(const std::string& store, const ltm::CompactOptions& options,
+                                   const ProgressSink& progress) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto saliency, ltm::KeptSaliency::read(store));
+  return saliency.carry_over(
+      store, [&] { return ltm::compact(store, options, progress, interrupt_token()); });
+}
+
 ExitCode run(const CompactArguments& arguments) {
   ltm::CompactOptions options;
   const auto bytes = parse_bytes(arguments.segment_size);
@@ -53,7 +62,7 @@ ExitCode run(const CompactArguments& arguments) {
   options.segment_bytes = *bytes;
   if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
   ProgressLine progress;
-  const auto report = ltm::compact(arguments.store, options, progress.sink(), interrupt_token());
+  const auto report = compact(arguments.store, options, progress.sink());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (const Status status = ltm::merge_accesses(arguments.store); !status.ok())

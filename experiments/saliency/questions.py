@@ -23,7 +23,7 @@ ACTIONS = "Skills/Actions/robot/"
 SPEECH = "Speech/Commands/human/text"
 MAX_METRES = 0.05
 FAILURES = {2: "failure", 3: "stop"}
-# Each kind of the issue is a quarter: where, what failed, what the robot did, what was said.
+# A quarter asks each: where things were, what failed, what the robot did, what was said.
 TURNS = ["robot", "failed", "doing", "said", "object", "failed", "doing", "said",
          "carried", "failed", "doing", "said"]
 

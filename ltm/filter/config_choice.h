@@ -20,28 +20,35 @@ struct Choice {
   std::string_view now{};
 };
 
-/// Sets `out` to the value that the word at `key` means, if there is one. Warns of old words.
+/// The value that a word means. Warns of old words.
 /// Errors: kInvalidArgument listing the known words.
 template <typename T, size_t N>
-Status read_choice(ConfigMap& map, std::string_view key, T& out,
-                   const std::array<Choice<T>, N>& choices) {
-  const auto value = map.find(key);
-  if (!value) return {};
-  ENGRAM_ASSIGN_OR_RETURN(const std::string word, value->text());
+Result<T> choice_of(const ConfigValue& value, const std::array<Choice<T>, N>& choices) {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string word, value.text());
   std::vector<std::string> known;
   for (const Choice<T>& choice : choices) {
     if (choice.word == word) {
       if (!choice.now.empty())
         log::warning(
             "{}",
-            value->error(fmt::format("'{}' is '{}' now, and is taken until 0.3", word, choice.now))
+            value.error(fmt::format("'{}' is '{}' now, and is taken until 0.3", word, choice.now))
                 .message());
-      out = choice.value;
-      return {};
+      return choice.value;
     }
     if (choice.now.empty()) known.emplace_back(choice.word);
   }
-  return value->error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
+  return value.error(fmt::format("found '{}', needs one of {}", word, fmt::join(known, ", ")));
+}
+
+/// Sets `out` to the value that the word at `key` means, if there is one.
+/// Errors: those of choice_of().
+template <typename T, size_t N>
+Status read_choice(ConfigMap& map, std::string_view key, T& out,
+                   const std::array<Choice<T>, N>& choices) {
+  const auto value = map.find(key);
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(out, choice_of(*value, choices));
+  return {};
 }
 
 /// Reads each value of the list at `key` with `read` and appends it to `out`, if there is a list.

@@ -70,17 +70,11 @@ Result<SimilarityFilter::MemberRule> read_member(const ConfigValue& value) {
 }
 
 Result<Telling> read_telling(const ConfigValue& value) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::string word, value.text());
-  constexpr std::array<std::pair<std::string_view, Telling>, 5> kTellings{
-      {{"failure", Telling::kFailure},
-       {"stop", Telling::kStop},
-       {"success", Telling::kSuccess},
-       {"speech", Telling::kSpeech},
-       {"links", Telling::kLinks}}};
-  for (const auto& [known, telling] : kTellings)
-    if (known == word) return telling;
-  return value.error(
-      fmt::format("found '{}', needs failure, stop, success, speech or links", word));
+  return choice_of(value, std::array<Choice<Telling>, 5>{{{"failure", Telling::kFailure},
+                                                          {"stop", Telling::kStop},
+                                                          {"success", Telling::kSuccess},
+                                                          {"speech", Telling::kSpeech},
+                                                          {"links", Telling::kLinks}}});
 }
 
 Result<EventRule> read_event(const ConfigValue& value) {

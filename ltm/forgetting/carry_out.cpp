@@ -27,24 +27,9 @@ struct Round {
   [[nodiscard]] bool is_cancelled() const { return rewritten.is_cancelled || faded.is_cancelled; }
 };
 
-/// Forgets what a plan takes. What staying snapshots are worth stays as it was, for the next round
-/// and the next run; but erasing leaves nothing that was calculated beside what is erased.
-Result<RewriteReport> forget(const std::filesystem::path& store, const ForgetPlan& plan,
-                             const ForgetTools& tools, const ProgressSink& progress,
-                             const std::stop_token& stop) {
-  KeptSaliency saliency;
-  if (!tools.code_anew) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-    saliency = KeptSaliency::read(*reader);
-  }
-  auto rewritten = forget_snapshots(store, plan.to_set(), progress, stop);
-  if (rewritten.ok()) ENGRAM_RETURN_IF_ERROR(saliency.restore(store));
-  return rewritten;
-}
-
-Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPlan& plan,
-                              const ForgetTools& tools, const ProgressSink& progress,
-                              const std::stop_token& stop) {
+Result<Round> rewrite_segments(const std::filesystem::path& store, const ForgetPlan& plan,
+                               const ForgetTools& tools, const ProgressSink& progress,
+                               const std::stop_token& stop) {
   Round round;
   if (tools.code_anew) {
     // What stays comes first: if the process is killed in between, the next run finds what is to
@@ -56,7 +41,8 @@ Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPl
     round.erased = *std::move(coded);
   }
   if (plan.snapshots() > 0) {
-    ENGRAM_ASSIGN_OR_RETURN(round.rewritten, forget(store, plan, tools, progress, stop));
+    ENGRAM_ASSIGN_OR_RETURN(round.rewritten,
+                            forget_snapshots(store, plan.to_set(), progress, stop));
   }
   if (plan.fading() == 0 || round.rewritten.is_cancelled) return round;
   if (!tools.fade)
@@ -65,12 +51,29 @@ Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPl
   return round;
 }
 
+std::set<MemoryId> entities_of(const ForgetSet& gone) {
+  std::set<MemoryId> entities;
+  for (const auto& [entity, times] : gone) entities.insert(entity);
+  return entities;
+}
+
+/// What staying snapshots are worth stays as it was, for the next round and the next run; but
+/// erasing leaves nothing that was calculated beside what is erased.
+Result<Round> carry_out_round(const std::filesystem::path& store, const ForgetPlan& plan,
+                              const ForgetTools& tools, const ProgressSink& progress,
+                              const std::stop_token& stop) {
+  ENGRAM_ASSIGN_OR_RETURN(KeptSaliency kept, KeptSaliency::read(store));
+  if (tools.code_anew) kept.make_stale(entities_of(plan.to_set()));
+  return kept.carry_over(store,
+                         [&] { return rewrite_segments(store, plan, tools, progress, stop); });
+}
+
 Status finish_erasure(const std::filesystem::path& store, ErasureReport& report) {
   ENGRAM_ASSIGN_OR_RETURN(report.files, remove_side_files(store, report.entities));
   std::set<MemoryId> erased;
   for (const auto& [entity, one] : report.entities)
     if (one.erased > 0) erased.insert(entity);
-  if (!erased.empty()) ENGRAM_RETURN_IF_ERROR(remove_saliency_of(store, erased));
+  if (!erased.empty()) ENGRAM_RETURN_IF_ERROR(make_saliency_stale(store, erased));
   return write_erasure_report(store, system_now(), report);
 }
 

@@ -22,7 +22,7 @@ Status SaliencyPolicy::Options::validate() const {
 
 std::string SaliencyPolicy::reason() const {
   if (options_.below) return fmt::format("saliency below {}", *options_.below);
-  if (options_.keep) return fmt::format("saliency beyond the highest {} %", 100 * *options_.keep);
+  if (options_.keep) return fmt::format("saliency beyond the highest {:.6g} %", 100 * *options_.keep);
   return "lowest saliency";
 }
 

@@ -138,6 +138,7 @@ double pace_of(const ContentSeries& series) {
   std::vector<double> steps;
   double path = 0;
   for (size_t i = 1; i < series.size(); ++i) {
+    if (series.follows[i] == 0) continue;
     steps.push_back(to_seconds(series.times[i] - series.times[i - 1]));
     path += distance_of(series.members, series.row(i), series.row(i - 1));
   }

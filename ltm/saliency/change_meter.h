@@ -18,6 +18,8 @@ struct ContentSeries {
   std::vector<Time> times;      ///< N, increasing.
   std::vector<float> numbers;   ///< [N, D]
   std::vector<uint64_t> facts;  ///< N: what cannot be a little different, links included.
+  /// N: whether none of its entity lies between it and the one before it.
+  std::vector<uint8_t> follows;
 
   [[nodiscard]] size_t size() const { return times.size(); }
   [[nodiscard]] size_t width() const { return size() == 0 ? 0 : numbers.size() / size(); }
@@ -33,8 +35,8 @@ struct ContentSeries {
 [[nodiscard]] double distance_of(const std::vector<ContentMember>& members,
                                  std::span<const float> a, std::span<const float> b);
 
-/// How fast the numbers of a series change on the average, pauses left out; at least 0.02.
-/// Unit: member units per second.
+/// How fast the numbers of a series change on the average, pauses left out; at least 0.02. Steps
+/// alone count, from one snapshot to the one that follows it. Unit: member units per second.
 [[nodiscard]] double pace_of(const ContentSeries& series);
 
 /// How much each snapshot changes what is told of its time. Unit: seconds in which the entity

@@ -4,11 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "ltm/likeness/likeness_space.h"
 #include "ltm/saliency/novelty_meter.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "ltm/saliency/surprise_meter.h"
-#include "ltm/store/segment_index.h"
 
 namespace engram::ltm {
 
@@ -54,37 +55,44 @@ void align_quaternions(const std::vector<ContentMember>& members, const std::vec
   }
 }
 
+/// Snapshots of one layout that are scored together, and all that came before of this layout.
+struct Layout {
+  Layout(const MemberUnits& units, const std::vector<ContentMember>& members)
+      : builder(units), novelty(members) {}
+
+  SeriesBuilder builder;
+  NoveltyMeter novelty;
+};
+
 /// Scores one entity, series by series.
 class Scoring {
  public:
-  Scoring(const MemberUnits& units, const TakeParts& take) : builder_(units), take_(take) {}
+  Scoring(const MemberUnits& units, const TakeRow& take) : units_(units), take_(take) {}
 
-  /// `is_new`: its parts are wanted; otherwise it is looked at alone.
-  Status add(const SnapshotEntry& entry, EntityContents& contents, bool is_new) {
-    if (is_full() || !builder_.add(entry.time, contents.members(), contents.content())) {
-      const bool was_full = is_full();
+  /// `is_new`: its parts are wanted; otherwise it is looked at alone. `follows`: it is the one
+  /// behind the last that was added.
+  Status add(const SnapshotEntry& entry, EntityContents& contents, bool is_new, bool follows) {
+    if (layout_ == nullptr || layout_->builder.series().members != contents.members()) {
       ENGRAM_RETURN_IF_ERROR(finish());
-      if (was_full)
-        keep_context();
-      else
-        clear();
-      if (!builder_.add(entry.time, contents.members(), contents.content())) {
-        clear();
-        ENGRAM_CHECK(builder_.add(entry.time, contents.members(), contents.content()), "empty");
-      }
+      keep_last(0);
+      layout_ = &layout_of(contents.members());
+    } else if (is_full()) {
+      ENGRAM_RETURN_IF_ERROR(finish());
+      keep_last(std::min(rows_.size(), SurpriseMeter::kReach));
     }
+    ENGRAM_CHECK(layout_->builder.add(entry.time, contents.members(), contents.content(), follows),
+                 "its members are those of the layout");
     rows_.push_back({entry, contents.content(), is_new});
     rows_.back().content.numbers.clear();
     return {};
   }
 
+  /// A snapshot that cannot be read. Its row says so, and is taken in the order of time.
+  void add_damaged(const SnapshotEntry& entry) { damaged_.push_back(entry); }
+
   Status finish() {
-    const ContentSeries& series = builder_.series();
-    if (series.size() == 0) return {};
-    if (!novelty_ || novelty_members_ != series.members) {
-      novelty_.emplace(series.members);
-      novelty_members_ = series.members;
-    }
+    if (rows_.empty()) return take_damaged(Time::max());
+    const ContentSeries& series = layout_->builder.series();
     const std::vector<double> change = measure_change(series);
     SurpriseMeter surprise;
     for (size_t i = 0; i < rows_.size(); ++i) {
@@ -92,13 +100,14 @@ class Scoring {
       SaliencyParts parts;
       parts[SaliencyPart::kSurprise] = surprise.next(series, i).part();
       if (row.is_learned) continue;
-      parts[SaliencyPart::kNovelty] = novelty_->next(series, i);
+      parts[SaliencyPart::kNovelty] = layout_->novelty.next(series, i);
       if (!row.is_new) continue;
       parts[SaliencyPart::kChange] = change_part(change[i]);
       add_events(i, parts);
-      ENGRAM_RETURN_IF_ERROR(take_(row.entry, stored_parts(parts)));
+      ENGRAM_RETURN_IF_ERROR(take_damaged(row.entry.time));
+      ENGRAM_RETURN_IF_ERROR(take_(row.entry, {stored_parts(parts)}));
     }
-    return {};
+    return take_damaged(Time::max());
   }
 
  private:
@@ -109,9 +118,33 @@ class Scoring {
     bool is_learned = false;  ///< It was in the series before, too.
   };
 
+  /// The layout with these members. An entity whose layout changes back and forth has not
+  /// forgotten what it had before; of many layouts those that were used last stay.
+  Layout& layout_of(const std::vector<ContentMember>& members) {
+    const auto is_same = [&](const auto& known) { return known.first == members; };
+    auto found = std::ranges::find_if(layouts_, is_same);
+    if (found == layouts_.end()) {
+      if (layouts_.size() >= kMaxLayouts) layouts_.erase(layouts_.begin());
+      layouts_.emplace_back(members, std::make_unique<Layout>(units_, members));
+    } else {
+      std::rotate(found, found + 1, layouts_.end());
+    }
+    return *layouts_.back().second;
+  }
+
+  Status take_damaged(Time until) {
+    size_t taken = 0;
+    for (; taken < damaged_.size() && damaged_[taken].time < until; ++taken)
+      ENGRAM_RETURN_IF_ERROR(take_(damaged_[taken], {{}, 1, RowState::kDamaged}));
+    damaged_.erase(damaged_.begin(), damaged_.begin() + static_cast<ptrdiff_t>(taken));
+    return {};
+  }
+
   void add_events(size_t at, SaliencyParts& parts) const {
     const MomentContent& now = rows_[at].content;
-    const MomentContent* const last = at == 0 ? nullptr : &rows_[at - 1].content;
+    const MomentContent* const last = at > 0    ? &rows_[at - 1].content
+                                      : before_ ? &*before_
+                                                : nullptr;
     const bool is_event =
         last == nullptr || now.outcome != last->outcome || now.facts != last->facts;
     if (is_event) parts[SaliencyPart::kOutcome] = outcome_part(now.outcome);
@@ -120,39 +153,47 @@ class Scoring {
   }
 
   [[nodiscard]] bool is_full() const {
-    const ContentSeries& series = builder_.series();
+    const ContentSeries& series = layout_->builder.series();
     return series.size() >= kMaxSeriesRows ||
            (series.size() >= kMinSeriesRows && series.numbers.size() >= kMaxSeriesNumbers);
   }
 
-  void keep_context() {
-    const size_t kept = std::min(rows_.size(), SurpriseMeter::kReach);
-    builder_.keep_last(kept);
-    rows_.erase(rows_.begin(), rows_.end() - static_cast<ptrdiff_t>(kept));
+  /// Goes on with the last `count` rows, which were scored.
+  void keep_last(size_t count) {
+    if (rows_.empty()) return;
+    const size_t gone = rows_.size() - count;
+    if (gone > 0) before_ = rows_[gone - 1].content;
+    layout_->builder.keep_last(count);
+    rows_.erase(rows_.begin(), rows_.begin() + static_cast<ptrdiff_t>(gone));
     for (Row& row : rows_) {
       row.is_new = false;
       row.is_learned = true;
     }
   }
 
-  void clear() {
-    builder_.clear();
-    rows_.clear();
-  }
+  static constexpr size_t kMaxLayouts = 8;
 
-  SeriesBuilder builder_;
+  const MemberUnits& units_;
+  const TakeRow& take_;
+  /// The one that was used last is the last.
+  std::vector<std::pair<std::vector<ContentMember>, std::unique_ptr<Layout>>> layouts_;
+  Layout* layout_ = nullptr;  ///< Of `rows_`.
   std::vector<Row> rows_;
-  const TakeParts& take_;
-  std::optional<NoveltyMeter> novelty_;
-  std::vector<ContentMember> novelty_members_;
+  std::vector<SnapshotEntry> damaged_;
+  std::optional<MomentContent> before_;  ///< Of the snapshot before the first row.
 };
 
-/// Moments before `first` that are looked at: some of all, and all that are close.
+/// Moments before `first` that are looked at: all that are close, and of the others some pairs of
+/// neighbours, because a step tells how fast the entity changes.
 std::vector<size_t> context_of(size_t first) {
   std::vector<size_t> context;
   const size_t close = first - std::min(first, SurpriseMeter::kReach);
-  const size_t examples = std::min(close, NoveltyMeter::kMaxExamples);
-  for (size_t i = 0; i < examples; ++i) context.push_back(i * close / examples);
+  const size_t pairs = std::min(close, NoveltyMeter::kMaxExamples) / 2;
+  for (size_t i = 0; i < pairs; ++i) {
+    const size_t at = i * close / pairs;
+    context.push_back(at);
+    context.push_back(at + 1);
+  }
   for (size_t i = close; i < first; ++i) context.push_back(i);
   return context;
 }
@@ -163,9 +204,8 @@ Result<std::unique_ptr<EntityContents>> EntityContents::open(StorePast& past,
                                                              const MemoryId& entity) {
   auto contents =
       std::unique_ptr<EntityContents>(new EntityContents(past, entity, past.type_of(entity)));
-  if (const auto bytes = read_entity_index(past.store().path(), entity, kSpaceIndex); bytes.ok())
-    if (const auto space = LikenessSpace::unpack(bytes->bytes()); space.ok())
-      contents->codes_ = StoredCodes::read(past.store(), entity, space->id());
+  if (const auto space = read_space(past.store(), entity))
+    contents->codes_ = StoredCodes::read(past.store(), entity, space->id());
   return contents;
 }
 
@@ -209,8 +249,9 @@ Status EntityContents::read_latents(const SnapshotEntry& entry, bool has_code) {
 }
 
 bool SeriesBuilder::add(Time time, const std::vector<ContentMember>& members,
-                        const MomentContent& content) {
-  if (series_.size() == 0) {
+                        const MomentContent& content, bool follows) {
+  if (!has_members_) {
+    has_members_ = true;
     series_.members = members;
     reference_ = content.numbers;
     scales_.resize(content.numbers.size());
@@ -228,6 +269,7 @@ bool SeriesBuilder::add(Time time, const std::vector<ContentMember>& members,
   for (size_t i = 0; i < numbers.size(); ++i)
     series_.numbers.push_back(static_cast<float>((numbers[i] - reference_[i]) / scales_[i]));
   series_.facts.push_back(content.facts ^ (content.links * 3));
+  series_.follows.push_back(follows && series_.size() > 1 ? 1 : 0);
   last_ = std::move(numbers);
   return true;
 }
@@ -239,34 +281,49 @@ void SeriesBuilder::keep_last(size_t count) {
                         series_.numbers.begin() + static_cast<ptrdiff_t>(gone * width));
   series_.times.erase(series_.times.begin(), series_.times.begin() + static_cast<ptrdiff_t>(gone));
   series_.facts.erase(series_.facts.begin(), series_.facts.begin() + static_cast<ptrdiff_t>(gone));
+  series_.follows.erase(series_.follows.begin(),
+                        series_.follows.begin() + static_cast<ptrdiff_t>(gone));
 }
 
 void SeriesBuilder::clear() {
   series_ = {};
+  has_members_ = false;
 }
 
-Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> entities) {
+namespace {
+
+/// Gathers the units of one entity from up to `pairs` pairs of neighbours.
+Status add_units(StorePast& past, const MemoryId& entity, size_t pairs, MemberUnits& units) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(past.store(), entity));
+  ENGRAM_ASSIGN_OR_RETURN(const auto contents, EntityContents::open(past, entity));
+  const size_t count = std::min(pairs, entries.size());
+  for (size_t i = 0; i < count; ++i) {
+    const size_t at = i * entries.size() / count;
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_read, contents->read(entries[at]));
+    if (!is_read) continue;
+    std::vector<double> before = contents->content().numbers;
+    const size_t next = std::min(at + 1, entries.size() - 1);
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_next_read, contents->read(entries[next]));
+    if (!is_next_read) continue;
+    std::vector<double> after = contents->content().numbers;
+    if (before.size() != after.size()) continue;
+    align_quaternions(contents->members(), before, after);
+    units.add(contents->members(), before, after);
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> entities,
+                                  const std::function<bool()>& is_over) {
   MemberUnits units;
   const size_t looked = std::min(entities.size(), kMaxUnitEntities);
   const size_t pairs = kUnitPairs / std::max<size_t>(looked, 1);
-  for (size_t e = 0; e < looked; ++e) {
-    const MemoryId& entity = entities[e * entities.size() / looked];
-    ENGRAM_ASSIGN_OR_RETURN(const auto* const entries, past.store().index(entity));
-    ENGRAM_ASSIGN_OR_RETURN(const auto contents, EntityContents::open(past, entity));
-    const size_t count = std::min(pairs, entries->size());
-    for (size_t i = 0; i < count; ++i) {
-      const size_t at = i * entries->size() / count;
-      ENGRAM_ASSIGN_OR_RETURN(const bool is_read, contents->read((*entries)[at]));
-      if (!is_read) continue;
-      std::vector<double> before = contents->content().numbers;
-      const size_t next = std::min(at + 1, entries->size() - 1);
-      ENGRAM_ASSIGN_OR_RETURN(const bool is_next_read, contents->read((*entries)[next]));
-      if (!is_next_read) continue;
-      std::vector<double> after = contents->content().numbers;
-      if (before.size() != after.size()) continue;
-      align_quaternions(contents->members(), before, after);
-      units.add(contents->members(), before, after);
-    }
+  for (size_t e = 0; e < looked && !is_over(); ++e) {
+    // One that cannot be read is told of when it is scored, and must not keep others from it.
+    const Status added = add_units(past, entities[e * entities.size() / looked], pairs, units);
+    if (added.code() == StatusCode::kResourceExhausted) return added;
   }
   units.finish();
   return units;
@@ -274,12 +331,20 @@ Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> ent
 
 Status score_entity(StorePast& past, const MemoryId& entity, const MemberUnits& units,
                     std::span<const SnapshotEntry> entries, size_t first,
-                    const std::function<bool()>& is_over, const TakeParts& take) {
+                    const std::function<bool()>& is_over, const TakeRow& take) {
   ENGRAM_ASSIGN_OR_RETURN(const auto contents, EntityContents::open(past, entity));
   Scoring scoring(units, take);
+  std::optional<size_t> last;  // Damaged ones in between do not make neighbours.
   const auto add = [&](size_t at, bool is_new) -> Status {
     ENGRAM_ASSIGN_OR_RETURN(const bool is_read, contents->read(entries[at]));
-    return is_read ? scoring.add(entries[at], *contents, is_new) : Status();
+    if (is_read) {
+      const bool follows = last && *last + 1 == at;
+      last = at;
+      return scoring.add(entries[at], *contents, is_new, follows);
+    }
+    if (!is_new) return Status();
+    scoring.add_damaged(entries[at]);
+    return {};
   };
   for (const size_t at : context_of(first)) ENGRAM_RETURN_IF_ERROR(add(at, false));
   for (size_t at = first; at < entries.size() && !is_over(); ++at)

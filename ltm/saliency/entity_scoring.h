@@ -35,8 +35,6 @@ class EntityContents {
   /// What was read last. Valid until read().
   [[nodiscard]] const MomentContent& content() const { return reader_.content(); }
   [[nodiscard]] const std::vector<ContentMember>& members() const { return reader_.members(); }
-  [[nodiscard]] StorePast& past() { return past_; }
-  [[nodiscard]] const MemoryId& entity() const { return entity_; }
 
  private:
   EntityContents(StorePast& past, MemoryId entity, std::optional<idf::Type> type)
@@ -52,32 +50,37 @@ class EntityContents {
 };
 
 /// Gathers the units of all entities of one provider segment, from at most 4,096 pairs of
-/// consecutive snapshots, evenly spread.
-/// Errors: those of reading.
-Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> entities);
+/// consecutive snapshots, evenly spread. Entities that cannot be read tell nothing. `is_over` is
+/// asked before each entity; once it says so, the rest is left out.
+/// Errors: kResourceExhausted.
+Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> entities,
+                                  const std::function<bool()>& is_over);
 
-/// Takes the parts of a snapshot.
-using TakeParts = std::function<Status(const SnapshotEntry& entry, const StoredParts& parts)>;
+/// Takes what was found of a snapshot.
+using TakeRow = std::function<Status(const SnapshotEntry& entry, const SaliencyRow& row)>;
 
 /// Calculates the parts of the snapshots of an entity from the one at `first` on, in the order of
-/// time. Those before it are looked at for what they tell of it. Damaged ones are left out.
+/// time. Those before it are looked at for what they tell of it. Damaged ones have no parts.
 /// `is_over` is asked before each; once it says so, the rest is left out.
 /// Errors: those of reading and of `take`.
 /// Complexity: O(N (log N + 256) D); 64 MiB of memory.
 Status score_entity(StorePast& past, const MemoryId& entity, const MemberUnits& units,
                     std::span<const SnapshotEntry> entries, size_t first,
-                    const std::function<bool()>& is_over, const TakeParts& take);
+                    const std::function<bool()>& is_over, const TakeRow& take);
 
 /// A series that grows by what is read, in member units.
 class SeriesBuilder {
  public:
   explicit SeriesBuilder(const MemberUnits& units) : units_(units) {}
 
+  /// `follows`: no snapshot of the entity lies between the last one and this one.
   /// False if the content has other members than the series; then nothing is added.
-  bool add(Time time, const std::vector<ContentMember>& members, const MomentContent& content);
+  bool add(Time time, const std::vector<ContentMember>& members, const MomentContent& content,
+           bool follows);
 
-  /// Leaves the last `count` snapshots.
+  /// Leaves the last `count` snapshots. The members and the reference stay.
   void keep_last(size_t count);
+  /// Leaves nothing; the next snapshot may have any members.
   void clear();
 
   [[nodiscard]] const ContentSeries& series() const { return series_; }
@@ -88,6 +91,7 @@ class SeriesBuilder {
 
  private:
   const MemberUnits& units_;
+  bool has_members_ = false;
   ContentSeries series_;
   std::vector<double> scales_, reference_, last_;
 };

@@ -23,7 +23,7 @@ void WeightLearner::add(const EntitySaliency& entity, const std::vector<bool>& r
   std::array<std::array<double, kFeatures>, kFeatures> sums{};
   std::array<double, kFeatures> read_sums{};
   for (size_t row = 0; row < read.size(); ++row) {
-    const SaliencyParts parts = parts_of(entity.parts[row], 0);
+    const SaliencyParts parts = parts_of(entity.rows[row].parts, 0);
     for (size_t i = 0; i < kFeatures; ++i) {
       mean[i] += parts.values()[i] / count;
       if (read[row]) read_sums[i] += parts.values()[i];
@@ -35,7 +35,6 @@ void WeightLearner::add(const EntitySaliency& entity, const std::vector<bool>& r
     for (size_t j = 0; j < kFeatures; ++j)
       products_[i][j] += sums[i][j] - count * mean[i] * mean[j];
   }
-  snapshots_ += count;
   reads_ += reads;
 }
 

@@ -31,7 +31,6 @@ class WeightLearner {
   static constexpr size_t kFeatures = kSaliencyParts - 1;
   std::array<std::array<double, kFeatures>, kFeatures> products_{};  ///< Of parts.
   std::array<double, kFeatures> with_reads_{};                       ///< Of parts and reads.
-  double snapshots_ = 0;
   uint64_t reads_ = 0;
 };
 

@@ -22,12 +22,11 @@ constexpr uint64_t kProgressStep = 1024;
 /// What segments already have of an entity.
 struct KnownSaliency {
   EntitySaliency all;
-  std::vector<std::pair<uint32_t, uint64_t>> rows;  ///< By segment: how many it has.
+  std::map<uint32_t, uint64_t> counts;  ///< By segment: how many rows it has.
 
-  [[nodiscard]] uint64_t rows_in(uint32_t segment) const {
-    for (const auto& [number, count] : rows)
-      if (number == segment) return count;
-    return 0;
+  [[nodiscard]] uint64_t count_in(uint32_t segment) const {
+    const auto found = counts.find(segment);
+    return found == counts.end() ? 0 : found->second;
   }
 };
 
@@ -76,42 +75,44 @@ class SaliencyJob {
 
  private:
   void read_known() {
-    const auto& segments = past_.store().manifest().segments;
-    for (uint32_t i = 0; i < segments.size(); ++i)
-      for (EntitySaliency& one : saliency_of_segment(past_.store(), segments[i])) {
-        KnownSaliency& known = known_[one.entity];
-        known.rows.emplace_back(i, one.times.size());
-        known.all.entity = one.entity;
-        known.all.times.insert(known.all.times.end(), one.times.begin(), one.times.end());
-        known.all.parts.insert(known.all.parts.end(), one.parts.begin(), one.parts.end());
-      }
+    for_each_saliency(past_.store(), [this](uint32_t segment, const EntitySaliency& one) {
+      KnownSaliency& known = known_[one.entity];
+      known.counts[segment] += one.times.size();
+      known.all.entity = one.entity;
+      known.all.append(one);
+    });
     for (auto& [entity, known] : known_) sort_by_time(known.all);
   }
 
-  /// The snapshots from the first one on that has no parts. Those behind it may be told differently
-  /// by it. What is there moves to the segments in which the snapshots are now.
+  /// The snapshots from the first one on of which nothing is known. Those behind it may be told
+  /// differently by it. What is there moves to the segments in which the snapshots are now.
   Status score(const MemoryId& entity) {
     ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(past_.store(), entity));
     const KnownSaliency& known = known_[entity];
-    const auto rows = rows_by_segment(entries);
-    const bool is_done = std::ranges::all_of(
-        rows, [&](const auto& each) { return known.rows_in(each.first) >= each.second; });
-    if (is_done) return {};
+    const EntitySaliency& rows = known.all;
+    const auto needed = rows_by_segment(entries);
+    const bool has_all = std::ranges::all_of(
+        needed, [&](const auto& each) { return known.count_in(each.first) >= each.second; });
+    const bool is_stale =
+        std::ranges::find(rows.rows, RowState::kStale, &SaliencyRow::state) != rows.rows.end();
+    if (has_all && !is_stale) return {};
     size_t first = 0;
-    for (; first < entries.size() && first < known.all.times.size() &&
-           entries[first].time == known.all.times[first];
+    for (; first < entries.size() && first < rows.times.size() &&
+           entries[first].time == rows.times[first] && rows.rows[first].state != RowState::kStale;
          ++first) {
       const auto segment = segment_of_code(entries[first]);
-      if (segment && known.rows_in(*segment) < rows.at(*segment))
-        pending_.add(entity, entries[first], known.all.parts[first]);
+      if (segment && known.count_in(*segment) < needed.at(*segment))
+        pending_.add(entity, entries[first], rows.rows[first]);
     }
     if (first == entries.size()) return {};
     if (!units_) {
-      ENGRAM_ASSIGN_OR_RETURN(units_, measure_units(past_, entities_beside(past_.store(), entity)));
+      ENGRAM_ASSIGN_OR_RETURN(units_, measure_units(past_, entities_beside(past_.store(), entity),
+                                                    [this] { return is_over(); }));
     }
     const uint64_t before = report.snapshots;
-    const auto take = [&](const SnapshotEntry& entry, const StoredParts& parts) -> Status {
-      pending_.add(entity, entry, parts);
+    const auto take = [&](const SnapshotEntry& entry, SaliencyRow row) -> Status {
+      if (const auto there = rows.find(entry.time)) row.stands_for = rows.rows[*there].stands_for;
+      pending_.add(entity, entry, row);
       ++report.snapshots;
       return pending_.is_full() ? pending_.write() : Status();
     };
@@ -135,17 +136,20 @@ class SaliencyJob {
   const ProgressSink& progress_;
   const std::stop_token& stop_;
   PendingSaliency pending_;
-  std::map<MemoryId, KnownSaliency> known_;  ///< 20 bytes for each snapshot.
+  std::map<MemoryId, KnownSaliency> known_;  ///< 28 bytes for each snapshot.
   std::optional<MemberUnits> units_;         ///< Of the provider segment at hand.
 };
 
 /// Learns weights from what was read.
 Result<SaliencyWeights> learn_from_reads(StoreReader& store) {
   const AccessTable accesses = read_accesses(store.path());
+  if (accesses.all().empty()) return stored_weights(store.path());
   WeightLearner learner;
+  const auto known = all_saliency(store);
   for (const auto& [entity, snapshots] : accesses.all()) {
-    if (!store.has(entity)) continue;
-    const EntitySaliency saliency = stored_saliency_of(store, entity);
+    const auto found = known.find(entity);
+    if (found == known.end() || !store.has(entity)) continue;
+    const EntitySaliency& saliency = found->second;
     std::vector<bool> read(saliency.times.size(), false);
     for (size_t i = 0; i < read.size(); ++i) read[i] = snapshots.contains(saliency.times[i]);
     learner.add(saliency, read);
@@ -170,10 +174,14 @@ Result<SaliencyReport> make_saliency(const std::filesystem::path& store, const M
                                      const SaliencyOptions& options, const ProgressSink& progress,
                                      const std::stop_token& stop) {
   ENGRAM_ASSIGN_OR_RETURN(const auto past, StorePast::open(store, loader, {}));
-  SaliencyJob job(*past, options, progress, stop);
-  ENGRAM_RETURN_IF_ERROR(job.run());
-  ENGRAM_ASSIGN_OR_RETURN(job.report.weights, learn_from_reads(past->store()));
-  return job.report;
+  SaliencyReport report;
+  {
+    SaliencyJob job(*past, options, progress, stop);
+    ENGRAM_RETURN_IF_ERROR(job.run());
+    report = job.report;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(report.weights, learn_from_reads(past->store()));
+  return report;
 }
 
 }  // namespace engram::ltm

@@ -32,8 +32,8 @@ struct SaliencyReport {
 /// Make the codes of images before it (make_codes), because novelty and change of images are told
 /// by them. A kill loses what was calculated since the last two million snapshots. It may run
 /// beside a live writer and other jobs. Errors: those of StoreReader::open; kCancelled on `stop`;
-/// kUnavailable, kResourceExhausted. An entity that cannot be read is logged and left out. Source:
-/// docs/saliency.md.
+/// kUnavailable, kResourceExhausted. An entity that cannot be read is logged and left out; a
+/// snapshot that cannot be read is noted, and not looked at again. Source: docs/saliency.md.
 Result<SaliencyReport> make_saliency(const std::filesystem::path& store, const ModelLoader& loader,
                                      const SaliencyOptions& options, const ProgressSink& progress,
                                      const std::stop_token& stop);

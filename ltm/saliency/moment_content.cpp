@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "ltm/likeness/image_descriptor.h"
+#include "ltm/idf/element_visit.h"
 #include "ltm/memory/told_events.h"
 
 namespace engram::ltm {
@@ -17,25 +17,24 @@ namespace {
 constexpr int64_t kMinTime = 1'000'000'000'000'000;
 constexpr int kMaxContentDepth = 64;
 
-template <typename T>
-void append_elements_of(const idf::NdArray& array, std::vector<double>& numbers) {
-  for (const T value : array.values<T>()) numbers.push_back(static_cast<double>(value));
+/// Whether an integer can be a time alone. Not by its magnitude, which the smallest one has none
+/// of.
+bool is_time(int64_t value) {
+  return value >= kMinTime || value <= -kMinTime;
 }
 
-bool append_any(const idf::NdArray& array, std::vector<double>& numbers) {
-  switch (array.type()) {
-    case idf::ElementType::kFloat64:
-      append_elements_of<double>(array, numbers);
-      return true;
-    case idf::ElementType::kFloat32:
-      append_elements_of<float>(array, numbers);
-      return true;
-    case idf::ElementType::kInt32:
-      append_elements_of<int32_t>(array, numbers);
-      return true;
-    default:
-      return false;
-  }
+/// The elements as numbers; empty if some of them are times.
+std::vector<double> numbers_of(const idf::NdArray& array) {
+  std::vector<double> numbers;
+  idf::visit_element_type(array.type(), [&]<typename T>(T) {
+    for (const T value : array.values<T>()) {
+      if constexpr (sizeof(T) == sizeof(int64_t) && std::is_integral_v<T>)
+        if (is_time(static_cast<int64_t>(value))) return numbers.clear();
+      const auto number = static_cast<double>(value);
+      numbers.push_back(std::isfinite(number) ? number : 0);
+    }
+  });
+  return numbers;
 }
 
 }  // namespace
@@ -51,7 +50,10 @@ void ContentReader::add(const idf::Data& value) {
   const std::string path = instance_ == 0 ? "" : "[" + std::to_string(instance_) + "]";
   ++instance_;
   walk(value, path);
-  if (content_.outcome == ActionOutcome::kUnknown) content_.outcome = outcome_in(value, type_);
+  const ToldEvents told = told_events(value, type_);
+  content_.is_speech = content_.is_speech || told.is_speech;
+  if (content_.outcome == ActionOutcome::kUnknown) content_.outcome = told.outcome;
+  if (told.links != 0) content_.links = (std::rotl(content_.links, 23) ^ told.links) + 1;
 }
 
 void ContentReader::add(const std::string& path, const std::vector<double>& numbers) {
@@ -66,7 +68,8 @@ bool ContentReader::begin_member(const std::string& path, size_t width) {
 }
 
 void ContentReader::walk(const idf::Data& value, const std::string& path) {
-  if (++depth_ > kMaxContentDepth) return;
+  if (depth_ >= kMaxContentDepth) return;
+  ++depth_;
   if (const auto* array = value.get_if<idf::NdArray>()) {
     add_array(*array, path);
   } else if (const auto* dict = value.get_if<idf::Dict>()) {
@@ -78,7 +81,7 @@ void ContentReader::walk(const idf::Data& value, const std::string& path) {
     add_text(*text, path);
   } else if (const auto number = value.as_number()) {
     const auto* whole = value.get_if<int64_t>();
-    if (whole == nullptr || std::abs(*whole) < kMinTime) add_number(*number, path);
+    if (whole == nullptr || !is_time(*whole)) add_number(*number, path);
   }
   --depth_;
 }
@@ -97,22 +100,18 @@ void ContentReader::walk_list(const idf::List& list, const std::string& path) {
         sum += elements.content_.numbers[member.first + i];
         count += 1;
       }
-    content_.facts = (std::rotl(content_.facts, 23) ^ elements.content_.facts) + 1;
-    content_.links = (std::rotl(content_.links, 23) ^ elements.content_.links) + 1;
+    // An element without texts tells no facts, however many there are of them.
+    if (elements.content_.facts != 0)
+      content_.facts = (std::rotl(content_.facts, 23) ^ elements.content_.facts) + 1;
   }
   add_number(static_cast<double>(list.size()), path + "[]");
   for (const auto& [member, sum] : sums) add_number(sum.first / sum.second, path + "[]/" + member);
 }
 
 void ContentReader::add_array(const idf::NdArray& array, const std::string& path) {
-  if (array.count() == 0 || array.count() > kMaxElements) return;
-  if (!begin_member(path, static_cast<size_t>(array.count()))) return;
-  if (!append_any(array, content_.numbers)) {
-    members_.pop_back();
-    return;
-  }
-  for (size_t i = members_.back().first; i < content_.numbers.size(); ++i)
-    if (!std::isfinite(content_.numbers[i])) content_.numbers[i] = 0;
+  const bool is_image = array.type() == idf::ElementType::kUInt8;
+  if (is_image || array.count() == 0 || array.count() > kMaxElements) return;
+  add(path, numbers_of(array));
 }
 
 void ContentReader::add_number(double number, const std::string& path) {
@@ -120,12 +119,8 @@ void ContentReader::add_number(double number, const std::string& path) {
 }
 
 void ContentReader::add_text(const std::string& text, const std::string& path) {
-  if (const auto entity = linked_entity(text)) {
-    content_.links = mixed_text(mixed_text(content_.links + 1, path), entity->to_string());
-    return;
-  }
+  if (linked_entity(text)) return;  // told_events() has read it.
   content_.facts = mixed_text(mixed_text(content_.facts + 1, path), text);
-  if (!text.empty() && is_speech_member(path)) content_.is_speech = true;
 }
 
 }  // namespace engram::ltm

@@ -26,7 +26,8 @@ struct ContentMember {
 /// Numbers are the floats, integers and bools of its value, alone and in arrays of up to 1,024
 /// elements. Of a list of values the mean of each member counts, and how many there are, so that
 /// lists of other lengths compare. An integer that can only be a time (above 10^15) is left out:
-/// it differs always. Images are left out; codes stand for them.
+/// it differs always, and so is an array with such. Arrays of bytes are left out: they are images,
+/// for which codes stand.
 struct MomentContent {
   std::vector<double> numbers;  ///< [D]; not finite ones are 0.
   uint64_t facts = 0;           ///< A hash of all texts that are no links.

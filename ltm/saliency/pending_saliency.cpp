@@ -11,22 +11,42 @@ namespace engram::ltm {
 
 namespace {
 
-void append_row(EntitySaliency& to, const EntitySaliency& from, size_t row) {
-  to.times.push_back(from.times[row]);
-  to.parts.push_back(from.parts[row]);
-}
-
 /// Both in the order of time. Of equal times those of `added` count.
 EntitySaliency merged_rows(const EntitySaliency& old, const EntitySaliency& added) {
   EntitySaliency both{old.entity, {}, {}};
   size_t i = 0;
   for (size_t j = 0; j < added.times.size(); ++j) {
-    for (; i < old.times.size() && old.times[i] < added.times[j]; ++i) append_row(both, old, i);
+    for (; i < old.times.size() && old.times[i] < added.times[j]; ++i)
+      both.append(old.times[i], old.rows[i]);
     if (i < old.times.size() && old.times[i] == added.times[j]) ++i;
-    append_row(both, added, j);
+    both.append(added.times[j], added.rows[j]);
   }
-  for (; i < old.times.size(); ++i) append_row(both, old, i);
+  for (; i < old.times.size(); ++i) both.append(old.times[i], old.rows[i]);
   return both;
+}
+
+void make_stale_rows(EntitySaliency& one) {
+  for (SaliencyRow& row : one.rows) row = {{}, row.stands_for, RowState::kStale};
+}
+
+/// Gives the snapshots of an entity their rows. `entries` and the rows are in the order of time.
+void restore_entity(const EntitySaliency& all, const std::vector<SnapshotEntry>& entries,
+                    const std::set<uint32_t>& bare, PendingSaliency& pending) {
+  size_t row = 0;
+  for (size_t i = 0; i < entries.size(); ++i) {
+    const SnapshotEntry& entry = entries[i];
+    while (row < all.times.size() && all.times[row] < entry.time) ++row;
+    if (row == all.times.size()) return;
+    if (all.times[row] != entry.time) continue;
+    const SaliencyRow& before = all.rows[row];
+    SaliencyRow kept = before;
+    const bool is_last = i + 1 == entries.size();
+    for (++row; row < all.times.size() && (is_last || all.times[row] < entries[i + 1].time); ++row)
+      kept.stands_for += std::min(all.rows[row].stands_for, UINT32_MAX - kept.stands_for);
+    const auto segment = segment_of_code(entry);
+    if (segment && (bare.contains(*segment) || kept != before))
+      pending.add(all.entity, entry, kept);
+  }
 }
 
 }  // namespace
@@ -42,13 +62,12 @@ Result<std::vector<SnapshotEntry>> entries_of(StoreReader& store, const MemoryId
 }
 
 void PendingSaliency::add(const MemoryId& entity, const SnapshotEntry& entry,
-                          const StoredParts& parts) {
+                          const SaliencyRow& row) {
   const auto segment = segment_of_code(entry);
   if (!segment) return;
   EntitySaliency& one = by_segment_[*segment][entity];
   one.entity = entity;
-  one.times.push_back(entry.time);
-  one.parts.push_back(parts);
+  one.append(entry.time, row);
   ++count_;
 }
 
@@ -79,17 +98,16 @@ std::vector<std::byte> PendingSaliency::merged(std::span<const std::byte> there,
   return pack_saliency(all);
 }
 
-KeptSaliency KeptSaliency::read(StoreReader& store) {
+Result<KeptSaliency> KeptSaliency::read(const std::filesystem::path& store) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
   KeptSaliency kept;
-  for (const SegmentInfo& segment : store.manifest().segments)
-    for (EntitySaliency& one : saliency_of_segment(store, segment)) {
-      EntitySaliency& all = kept.entities_[one.entity];
-      all.entity = one.entity;
-      all.times.insert(all.times.end(), one.times.begin(), one.times.end());
-      all.parts.insert(all.parts.end(), one.parts.begin(), one.parts.end());
-    }
-  for (auto& [entity, all] : kept.entities_) sort_by_time(all);
+  kept.entities_ = all_saliency(*reader);
   return kept;
+}
+
+void KeptSaliency::make_stale(const std::set<MemoryId>& entities) {
+  for (auto& [entity, one] : entities_)
+    if (entities.contains(entity)) make_stale_rows(one);
 }
 
 Status KeptSaliency::restore(const std::filesystem::path& store) const {
@@ -104,28 +122,26 @@ Status KeptSaliency::restore(const std::filesystem::path& store) const {
   for (const auto& [entity, all] : entities_) {
     if (!reader->has(entity)) continue;
     ENGRAM_ASSIGN_OR_RETURN(const auto entries, entries_of(*reader, entity));
-    size_t row = 0;
-    for (const SnapshotEntry& entry : entries) {
-      while (row < all.times.size() && all.times[row] < entry.time) ++row;
-      if (row == all.times.size()) break;
-      const auto segment = segment_of_code(entry);
-      if (segment && bare.contains(*segment) && all.times[row] == entry.time)
-        pending.add(entity, entry, all.parts[row]);
-    }
+    restore_entity(all, entries, bare, pending);
     if (pending.is_full()) ENGRAM_RETURN_IF_ERROR(pending.write());
   }
   return pending.write();
 }
 
-Status remove_saliency_of(const std::filesystem::path& store, const std::set<MemoryId>& entities) {
+Status make_saliency_stale(const std::filesystem::path& store, const std::set<MemoryId>& entities) {
   ENGRAM_ASSIGN_OR_RETURN(const auto reader, StoreReader::open(store));
-  const auto is_erased = [&](const EntitySaliency& one) { return entities.contains(one.entity); };
+  const auto is_named = [&](const EntitySaliency& one) { return entities.contains(one.entity); };
   for (const SegmentInfo& segment : reader->manifest().segments) {
-    SegmentSaliency left = saliency_of_segment(*reader, segment);
-    if (std::erase_if(left, is_erased) == 0) continue;
-    const Status written = edit_segment_index(
-        store, segment, kSaliencyIndex,
-        [&left](std::span<const std::byte> /*there*/) { return pack_saliency(left); });
+    if (std::ranges::none_of(saliency_of_segment(*reader, segment), is_named)) continue;
+    // What is there is read again by the edit, because another job may have added to it meanwhile.
+    const Status written =
+        edit_segment_index(store, segment, kSaliencyIndex, [&](std::span<const std::byte> there) {
+          SegmentSaliency all;
+          if (auto known = unpack_saliency(there); known.ok()) all = *std::move(known);
+          for (EntitySaliency& one : all)
+            if (is_named(one)) make_stale_rows(one);
+          return pack_saliency(all);
+        });
     if (!written.ok() && written.code() != StatusCode::kNotFound) return written;
   }
   return {};

@@ -15,7 +15,7 @@ namespace engram::ltm {
 /// Errors: those of Timeline::for_each.
 Result<std::vector<SnapshotEntry>> entries_of(StoreReader& store, const MemoryId& entity);
 
-/// Parts that are not written yet, by segment and entity.
+/// Rows that are not written yet, by segment and entity.
 ///
 /// Threading: one thread.
 class PendingSaliency {
@@ -25,9 +25,8 @@ class PendingSaliency {
 
   explicit PendingSaliency(StoreReader& store) : store_(store) {}
 
-  /// Adds the parts of a snapshot, in the order of time. Those of snapshots in journals are
-  /// dropped.
-  void add(const MemoryId& entity, const SnapshotEntry& entry, const StoredParts& parts);
+  /// Adds what is known of a snapshot, in the order of time. Snapshots in journals are left out.
+  void add(const MemoryId& entity, const SnapshotEntry& entry, const SaliencyRow& row);
 
   [[nodiscard]] bool is_full() const { return count_ >= kMaxPending; }
 
@@ -44,24 +43,39 @@ class PendingSaliency {
   size_t count_ = 0;
 };
 
-/// The parts of all snapshots of a store, which go into the new segments when segments are
+/// What is known of all snapshots of a store, which goes into the new segments when segments are
 /// rewritten. What a snapshot was worth among all others does not change because those are gone.
 class KeptSaliency {
  public:
-  /// It takes 20 bytes of memory for each snapshot.
-  static KeptSaliency read(StoreReader& store);
+  /// It takes 28 bytes of memory for each snapshot.
+  /// Errors: those of StoreReader::open.
+  static Result<KeptSaliency> read(const std::filesystem::path& store);
 
-  /// Gives segments without an index the parts of the snapshots that they have.
+  /// Leaves no parts of these entities: they are calculated anew.
+  void make_stale(const std::set<MemoryId>& entities);
+
+  /// Gives segments without an index the rows of the snapshots that they have. A snapshot that is
+  /// gone counts for the one before it from now on, if one of its entity is left there.
   /// Errors: those of StoreReader::open and PendingSaliency::write.
   Status restore(const std::filesystem::path& store) const;
+
+  /// Runs a job that rewrites segments, and restores what it dropped, also if the job failed.
+  /// Errors: those of the job first.
+  template <typename Job>
+  auto carry_over(const std::filesystem::path& store, const Job& job) const -> decltype(job()) {
+    auto done = job();
+    const Status restored = restore(store);
+    if (done.ok() && !restored.ok()) return restored;
+    return done;
+  }
 
  private:
   std::map<MemoryId, EntitySaliency> entities_;
 };
 
-/// Removes what was calculated of these entities, because what it was calculated beside is erased.
-/// The next night calculates it anew.
+/// Removes the parts of these entities, because what they were calculated beside is erased. The
+/// next night calculates them anew. How many snapshots each stands for stays.
 /// Errors: those of StoreReader::open and edit_segment_index.
-Status remove_saliency_of(const std::filesystem::path& store, const std::set<MemoryId>& entities);
+Status make_saliency_stale(const std::filesystem::path& store, const std::set<MemoryId>& entities);
 
 }  // namespace engram::ltm

@@ -9,24 +9,7 @@
 
 namespace engram::ltm {
 
-namespace {
-
-/// Puts times in order. Of equal ones the last that was added stays.
-template <typename Value>
-void sort_by_time(std::vector<Time>& times, std::vector<Value>& values) {
-  const auto is_later = [](Time a, Time b) { return a >= b; };
-  if (std::ranges::adjacent_find(times, is_later) == times.end()) return;
-  std::map<Time, Value> sorted;
-  for (size_t i = 0; i < times.size(); ++i) sorted[times[i]] = values[i];
-  times.clear();
-  values.clear();
-  for (const auto& [time, value] : sorted) {
-    times.push_back(time);
-    values.push_back(value);
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 SegmentSaliency saliency_of_segment(StoreReader& store, const SegmentInfo& segment) {
   const auto bytes = read_segment_index(store.path(), segment, kSaliencyIndex);
@@ -38,8 +21,34 @@ SegmentSaliency saliency_of_segment(StoreReader& store, const SegmentInfo& segme
   return {};
 }
 
+void for_each_saliency(StoreReader& store,
+                       const std::function<void(uint32_t segment, EntitySaliency one)>& take) {
+  const auto& segments = store.manifest().segments;
+  for (uint32_t i = 0; i < segments.size(); ++i)
+    for (EntitySaliency& one : saliency_of_segment(store, segments[i])) take(i, std::move(one));
+}
+
+std::map<MemoryId, EntitySaliency> all_saliency(StoreReader& store) {
+  std::map<MemoryId, EntitySaliency> all;
+  for_each_saliency(store, [&all](uint32_t /*segment*/, EntitySaliency one) {
+    const auto [there, is_new] = all.try_emplace(one.entity);
+    if (is_new)
+      there->second = std::move(one);
+    else
+      there->second.append(one);
+  });
+  for (auto& [entity, one] : all) sort_by_time(one);
+  return all;
+}
+
 void sort_by_time(EntitySaliency& saliency) {
-  sort_by_time(saliency.times, saliency.parts);
+  const auto is_later = [](Time a, Time b) { return a >= b; };
+  if (std::ranges::adjacent_find(saliency.times, is_later) == saliency.times.end()) return;
+  std::map<Time, SaliencyRow> sorted;
+  for (size_t i = 0; i < saliency.times.size(); ++i) sorted[saliency.times[i]] = saliency.rows[i];
+  saliency.times.clear();
+  saliency.rows.clear();
+  for (const auto& [time, row] : sorted) saliency.append(time, row);
 }
 
 bool SaliencyCut::takes(double saliency, Time time) const {
@@ -61,9 +70,7 @@ EntitySaliency stored_saliency_of(StoreReader& store, const MemoryId& entity) {
   for (const SegmentInfo& segment : store.manifest().segments) {
     if (segment.find(entity) == nullptr) continue;
     for (const EntitySaliency& one : saliency_of_segment(store, segment)) {
-      if (one.entity != entity) continue;
-      all.times.insert(all.times.end(), one.times.begin(), one.times.end());
-      all.parts.insert(all.parts.end(), one.parts.begin(), one.parts.end());
+      if (one.entity == entity) all.append(one);
     }
   }
   sort_by_time(all);
@@ -73,40 +80,52 @@ EntitySaliency stored_saliency_of(StoreReader& store, const MemoryId& entity) {
 SaliencyTable SaliencyTable::read(StoreReader& store, const AccessTable& accesses) {
   SaliencyTable table;
   const SaliencyWeights weights = stored_weights(store.path());
-  for (const SegmentInfo& segment : store.manifest().segments)
-    for (const EntitySaliency& one : saliency_of_segment(store, segment)) {
-      Scores& scores = table.entities_[one.entity];
-      for (size_t i = 0; i < one.times.size(); ++i) {
-        const uint64_t reads = accesses.find(one.entity, one.times[i]).count;
-        scores.times.push_back(one.times[i]);
-        scores.values.push_back(
-            static_cast<float>(saliency_of(parts_of(one.parts[i], reads), weights)));
-      }
+  for_each_saliency(store, [&](uint32_t /*segment*/, const EntitySaliency& one) {
+    std::vector<Score>& scores = table.entities_[one.entity];
+    for (size_t i = 0; i < one.times.size(); ++i) {
+      const SaliencyRow& row = one.rows[i];
+      if (row.state != RowState::kKnown) continue;
+      const uint64_t reads = accesses.find(one.entity, one.times[i]).count;
+      scores.push_back({one.times[i],
+                        static_cast<float>(saliency_of(parts_of(row.parts, reads), weights)),
+                        row.stands_for});
     }
-  for (auto& [entity, scores] : table.entities_) sort_by_time(scores.times, scores.values);
+  });
+  for (auto& [entity, scores] : table.entities_) {
+    std::ranges::stable_sort(scores, {}, &Score::time);
+    // Of equal times the last one stays, so the first ones go from behind.
+    const auto gone = std::unique(scores.rbegin(), scores.rend(),
+                                  [](const Score& a, const Score& b) { return a.time == b.time; });
+    scores.erase(scores.begin(), gone.base());
+  }
   return table;
 }
 
 std::optional<double> SaliencyTable::find(const MemoryId& entity, Time time) const {
   const auto found = entities_.find(entity);
   if (found == entities_.end()) return std::nullopt;
-  const auto at = std::ranges::lower_bound(found->second.times, time);
-  if (at == found->second.times.end() || *at != time) return std::nullopt;
-  return found->second.values[static_cast<size_t>(at - found->second.times.begin())];
+  const auto at = std::ranges::lower_bound(found->second, time, {}, &Score::time);
+  if (at == found->second.end() || at->time != time) return std::nullopt;
+  return at->value;
 }
 
 size_t SaliencyTable::size() const {
   size_t count = 0;
-  for (const auto& [entity, scores] : entities_) count += scores.times.size();
+  for (const auto& [entity, scores] : entities_) count += scores.size();
   return count;
 }
 
 SaliencyCut SaliencyTable::cut_for(const EntityPattern& match, double share) const {
   std::vector<float> values;
-  for (const auto& [entity, scores] : entities_)
-    if (match.matches(entity))
-      values.insert(values.end(), scores.values.begin(), scores.values.end());
-  const auto stays = static_cast<size_t>(std::ceil(share * static_cast<double>(values.size())));
+  uint64_t all = 0;
+  for (const auto& [entity, scores] : entities_) {
+    if (!match.matches(entity)) continue;
+    for (const Score& score : scores) {
+      values.push_back(score.value);
+      all += score.stands_for;
+    }
+  }
+  const auto stays = static_cast<size_t>(std::ceil(share * static_cast<double>(all)));
   if (stays >= values.size()) return {};
   const size_t goes = values.size() - stays;
   const auto at = values.begin() + static_cast<ptrdiff_t>(goes - 1);

@@ -22,11 +22,6 @@ double Surprise::part() const {
   return std::max(surprise_part(ratio()), has_changed ? 1 - changed_facts : 0.0);
 }
 
-void SurpriseMeter::reset() {
-  window_.clear();
-  seen_ = 0;
-}
-
 Surprise SurpriseMeter::next(const ContentSeries& series, size_t at) {
   Surprise told;
   if (seen_++ == 0 || at == 0) return told;

@@ -4,7 +4,6 @@
 // Private to this room: the error of predictions of one step, over the bound that was told before.
 
 #include <deque>
-#include <string>
 #include <vector>
 
 #include "ltm/saliency/change_meter.h"
@@ -42,9 +41,6 @@ class SurpriseMeter {
 
   /// Judges the snapshot `at`, then learns from it. Give the snapshots of a series in their order.
   Surprise next(const ContentSeries& series, size_t at);
-
-  /// Forgets all: the next snapshot is of another series.
-  void reset();
 
  private:
   struct Errors {

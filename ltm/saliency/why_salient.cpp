@@ -31,10 +31,9 @@ class Explaining {
              const std::vector<SnapshotEntry>& entries, const EntitySaliency& saliency)
       : past_(past), accesses_(accesses), entries_(entries), saliency_(saliency) {}
 
-  Result<SalientMoment> run(size_t entry, size_t row, const SaliencyWeights& weights) {
+  Result<SalientMoment> run(size_t entry, size_t row, const MemberUnits& units,
+                            const SaliencyWeights& weights) {
     const MemoryId& entity = saliency_.entity;
-    ENGRAM_ASSIGN_OR_RETURN(const MemberUnits units,
-                            measure_units(past_, entities_beside(past_.store(), entity)));
     ENGRAM_ASSIGN_OR_RETURN(const auto contents, EntityContents::open(past_, entity));
     told_.entity = entity;
     told_.time = entries_[entry].time;
@@ -59,7 +58,7 @@ class Explaining {
 
  private:
   [[nodiscard]] SaliencyParts parts_at(size_t row) const {
-    return parts_of(saliency_.parts[row],
+    return parts_of(saliency_.rows[row].parts,
                     accesses_.find(saliency_.entity, saliency_.times[row]).count);
   }
 
@@ -69,9 +68,9 @@ class Explaining {
     ENGRAM_ASSIGN_OR_RETURN(const bool is_read, contents.read(entries_[entry]));
     if (!is_read) return false;
     content_ = contents.content();
-    if (series.add(entries_[entry].time, contents.members(), content_)) return true;
+    if (series.add(entries_[entry].time, contents.members(), content_, true)) return true;
     series.clear();  // What came before has other members, and tells nothing of it.
-    return series.add(entries_[entry].time, contents.members(), content_);
+    return series.add(entries_[entry].time, contents.members(), content_, true);
   }
 
   /// A number of the last row in the unit of its member.
@@ -114,10 +113,10 @@ class Explaining {
   /// Compares with the last one before it that changes more.
   Status explain_change(size_t entry, size_t row, EntityContents& contents,
                         const MemberUnits& units) {
-    const uint16_t own = saliency_.parts[row].front();
+    const uint16_t own = saliency_.rows[row].parts.front();
     SalientPart& part = this->part(SaliencyPart::kChange);
     size_t from = row;
-    while (from > 0 && saliency_.parts[from - 1].front() <= own) --from;
+    while (from > 0 && saliency_.rows[from - 1].parts.front() <= own) --from;
     if (from == 0) {
       part.found = "no snapshot before it changes more";
       part.expected = "nothing is told before it";
@@ -133,8 +132,7 @@ class Explaining {
     const ContentSeries& both = series.series();
     part.expected = fmt::format(
         "as at {}, the last one that changes more; without this one, its time would be told as "
-        "wrong "
-        "as by what usually changes in {:.3g} s",
+        "wrong as by what usually changes in {:.3g} s",
         to_string(saliency_.times[from - 1]), change_seconds(part.value));
     if (both.size() < 2) {
       part.found = "other members";
@@ -175,24 +173,23 @@ class Explaining {
   MomentContent content_;  ///< Of the snapshot that was read last.
 };
 
-std::optional<size_t> row_at(const std::vector<Time>& times, Time time) {
-  const auto at = std::ranges::lower_bound(times, time);
-  if (at == times.end() || *at != time) return std::nullopt;
-  return static_cast<size_t>(at - times.begin());
+/// The rows that have parts.
+EntitySaliency known_rows(const EntitySaliency& all) {
+  EntitySaliency known{all.entity, {}, {}};
+  for (size_t i = 0; i < all.times.size(); ++i)
+    if (all.rows[i].state == RowState::kKnown) known.append(all.times[i], all.rows[i]);
+  return known;
 }
 
 /// The parts of all snapshots of an entity, calculated now.
 Result<EntitySaliency> calculate(StorePast& past, const MemoryId& entity,
                                  const std::vector<SnapshotEntry>& entries,
-                                 const std::stop_token& stop) {
-  ENGRAM_ASSIGN_OR_RETURN(const MemberUnits units,
-                          measure_units(past, entities_beside(past.store(), entity)));
+                                 const MemberUnits& units, const std::stop_token& stop) {
   EntitySaliency saliency{entity, {}, {}};
   ENGRAM_RETURN_IF_ERROR(score_entity(
       past, entity, units, entries, 0, [&stop] { return stop.stop_requested(); },
-      [&](const SnapshotEntry& entry, const StoredParts& parts) {
-        saliency.times.push_back(entry.time);
-        saliency.parts.push_back(parts);
+      [&](const SnapshotEntry& entry, const SaliencyRow& row) {
+        saliency.append(entry.time, row);
         return Status();
       }));
   if (stop.stop_requested()) return cancelled("'{}': calculating saliency", entity.to_string());
@@ -213,16 +210,20 @@ Result<SalientMoment> why_salient(StorePast& past, const AccessTable& accesses,
   if (entry == entries.end() || entry->time != asked)
     return not_found("'{}': has no snapshot at {}; 'engram query' finds the nearest one",
                      entity.printable(), to_string(asked));
-  EntitySaliency saliency = stored_saliency_of(past.store(), entity);
-  const bool is_stored = row_at(saliency.times, asked).has_value();
+  ENGRAM_ASSIGN_OR_RETURN(const MemberUnits units,
+                          measure_units(past, entities_beside(past.store(), entity),
+                                        [&stop] { return stop.stop_requested(); }));
+  EntitySaliency saliency = known_rows(stored_saliency_of(past.store(), entity));
+  const bool is_stored = saliency.find(asked).has_value();
   if (!is_stored) {
-    ENGRAM_ASSIGN_OR_RETURN(saliency, calculate(past, entity, entries, stop));
+    ENGRAM_ASSIGN_OR_RETURN(saliency, calculate(past, entity, entries, units, stop));
+    saliency = known_rows(saliency);
   }
-  const auto row = row_at(saliency.times, asked);
+  const auto row = saliency.find(asked);
   if (!row) return failed_precondition("'{}': is damaged", entity.at(asked).printable());
   Explaining explaining(past, accesses, entries, saliency);
   ENGRAM_ASSIGN_OR_RETURN(SalientMoment told,
-                          explaining.run(static_cast<size_t>(entry - entries.begin()), *row,
+                          explaining.run(static_cast<size_t>(entry - entries.begin()), *row, units,
                                          stored_weights(past.store().path())));
   told.is_stored = is_stored;
   return told;

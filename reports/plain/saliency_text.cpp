@@ -42,7 +42,7 @@ Json saliency_json(const ltm::SalientMoment& moment) {
           {"time_ns", to_ns(moment.time)},
           {"saliency", moment.saliency},
           {"rank", moment.rank},
-          {"of", moment.count},
+          {"count", moment.count},
           {"is_stored", moment.is_stored},
           {"learned_from", moment.learned_from},
           {"parts", std::move(parts)}};

@@ -38,7 +38,7 @@ TEST_F(WhySalientCommand, ExplainsKeepsAndForgets) {
   const Json kept = told(run_engram({"why-salient", store_, moment_, "--keep", "--json"}));
   EXPECT_EQ(kept.at("id"), kCamera + "/2022-02-18 13:00:05.000000");
   EXPECT_EQ(kept.at("is_stored"), true);
-  EXPECT_EQ(kept.at("of"), 40);
+  EXPECT_EQ(kept.at("count"), 40);
   ASSERT_EQ(kept.at("parts").size(), 7u);
   double sum = 0;
   for (const Json& part : kept.at("parts")) sum += part.at("contribution").get<double>();
@@ -51,7 +51,7 @@ TEST_F(WhySalientCommand, ExplainsKeepsAndForgets) {
   std::ofstream(config) << "forget: {rules: [{saliency: {keep: 0.25}}], protect: {newest: 0}}";
   EXPECT_EQ(run_engram({"forget", store_, "--config", config, "--yes"}).exit_code, 0);
   const RunResult left = run_engram({"why-salient", store_, kCamera, "--json"});
-  EXPECT_NEAR(told(left).at("of").get<double>(), 10, 1);
+  EXPECT_NEAR(told(left).at("count").get<double>(), 10, 1);
 }
 
 TEST_F(WhySalientCommand, NightsMakeItAndItStaysWithLatents) {

@@ -5,6 +5,7 @@
 
 #include "encoders/load_model.h"
 #include "ltm/recall/recall.h"
+#include "ltm/saliency/pending_saliency.h"
 #include "training/fit/job_pace.h"
 #include "training/quality/quality_metrics.h"
 
@@ -65,7 +66,8 @@ Result<ltm::DropReport> drop_raw(const std::filesystem::path& store, const ltm::
     if (!may) keep.insert(entry.time);
     pace->progress()({"verify " + entity.to_string(), i + 1, entries->size(), "", -1});
   }
-  return ltm::drop_recorded(store, entity, keep);
+  ENGRAM_ASSIGN_OR_RETURN(const auto saliency, ltm::KeptSaliency::read(store));
+  return saliency.carry_over(store, [&] { return ltm::drop_recorded(store, entity, keep); });
 }
 
 }  // namespace engram::training

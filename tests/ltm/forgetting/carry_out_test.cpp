@@ -97,6 +97,27 @@ TEST_F(CarryOut, QuotasGoOnBySaliencyWhereTheyEnded) {
     EXPECT_TRUE(left.find(example_entity(), second(change))) << change;
 }
 
+TEST_F(CarryOut, ARuleThatKeepsAShareTakesNothingWhenItRunsAgain) {
+  std::vector<Snapshot> snapshots;
+  for (int64_t i = 0; i < 200; ++i) {
+    snapshots.push_back(numbered("cam", i, i < 50 ? 1 : i < 120 ? 4 : 9));
+  }
+  append(snapshots);
+  ASSERT_OK(make_saliency(store_, {}, {}, {}, {}));
+  ForgetOptions options;
+  options.protection.newest = 0;
+  ForgetRule rule;
+  rule.saliency = SaliencyPolicy::Options{.keep = 0.1};
+  options.rules.push_back(rule);
+  const auto first = plan(options);
+  ASSERT_OK(first);
+  EXPECT_NEAR(first->snapshots(), 180, 8);
+  ASSERT_OK(carry_out(store_, *first, again(options, *first)));
+  const auto second = plan(options);
+  ASSERT_OK(second);
+  EXPECT_EQ(second->snapshots(), 0u);
+}
+
 TEST_F(CarryOut, AQuotaLeavesAsMuchAsItAllows) {
   // Everything in one segment, as a night leaves it, and a part of the file that does not shrink.
   std::vector<Snapshot> snapshots;

@@ -158,7 +158,7 @@ TEST(RecordingConfig, NamesWhatIsWrongWithAFilter) {
   refuse("similarity: {members: [{path: \"(\", measure: equal}]}", HasSubstr("members[0].path"));
   refuse("importance: {}", HasSubstr("needs one event"));
   refuse("trigger: {events: [{path: x}]}", HasSubstr("no key 'bound'"));
-  refuse("trigger: {events: [{tells: [joy]}]}", HasSubstr("found 'joy', needs failure, stop"));
+  refuse("trigger: {events: [{tells: [joy]}]}", HasSubstr("found 'joy', needs one of failure, stop"));
   refuse("trigger: {events: [{path: x, bound: 1, tells: [stop]}]}",
          HasSubstr("'path' and 'tells'"));
   refuse("trigger: {events: [{}]}", HasSubstr("neither an entity nor a path"));

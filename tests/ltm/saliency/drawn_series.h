@@ -16,6 +16,7 @@ inline ContentSeries drawn_series(const std::vector<float>& numbers) {
     series.times.push_back(example_time(static_cast<int64_t>(i)));
     series.numbers.push_back(numbers[i]);
     series.facts.push_back(1);
+    series.follows.push_back(i > 0 ? 1 : 0);
   }
   return series;
 }

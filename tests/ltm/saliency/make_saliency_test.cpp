@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/saliency/make_saliency.h"
 
+#include <cmath>
+
 #include "ltm/core/file.h"
 #include "ltm/recall/access_log.h"
 #include "ltm/saliency/pending_saliency.h"
@@ -10,6 +12,7 @@
 #include "ltm/store/segment_index.h"
 #include "tests/ltm/saliency/robot_day.h"
 #include "tests/ltm/scratch_directory.h"
+#include "tests/ltm/store/full_store.h"
 
 namespace engram::ltm {
 namespace {
@@ -149,7 +152,7 @@ TEST_F(MakeSaliencyTest, GoesWithWhatIsForgottenAndDamageIsNoLoss) {
 TEST_F(MakeSaliencyTest, WhatStaysKeepsItsWorthWhenOthersGo) {
   ASSERT_OK(make());
   const SaliencyTable before = table();
-  const KeptSaliency kept = KeptSaliency::read(**StoreReader::open(store_));
+  const KeptSaliency kept = *KeptSaliency::read(store_);
   ForgetSet gone;
   for (int64_t i = 90; i < 110; ++i) gone[cup_entity()].insert(example_time(i));
   ASSERT_OK(forget_snapshots(store_, gone));
@@ -166,10 +169,138 @@ TEST_F(MakeSaliencyTest, WhatStaysKeepsItsWorthWhenOthersGo) {
 
 TEST_F(MakeSaliencyTest, OfErasedEntitiesNothingCalculatedIsLeft) {
   ASSERT_OK(make());
-  ASSERT_OK(remove_saliency_of(store_, {cup_entity()}));
+  ASSERT_OK(make_saliency_stale(store_, {cup_entity()}));
   EXPECT_EQ(table().size(), 6u);
   EXPECT_TRUE(table().find(words_entity(), example_time(35)));
   EXPECT_EQ(make()->snapshots, 200u);
+}
+
+TEST_F(MakeSaliencyTest, AShareThatStaysIsCutOnce) {
+  ASSERT_OK(make());
+  const auto forget_all_but = [&](double share) {
+    const SaliencyTable all = table();
+    const SaliencyCut cut = all.cut_for(EntityPattern(), share);
+    ForgetSet gone;
+    for (int64_t i = 0; i < 400; ++i)
+      for (const MemoryId& entity : {cup_entity(), skill_entity(), words_entity()})
+        if (const auto found = all.find(entity, example_time(i)))
+          if (cut.takes(*found, example_time(i))) gone[entity].insert(example_time(i));
+    const auto kept = KeptSaliency::read(store_);
+    ASSERT_OK(kept);
+    ASSERT_OK(forget_snapshots(store_, gone));
+    ASSERT_OK(kept->restore(store_));
+  };
+  forget_all_but(0.2);
+  const size_t left = table().size();
+  EXPECT_NEAR(left, 41, 2);
+  for (int night = 0; night < 3; ++night) forget_all_but(0.2);
+  EXPECT_EQ(table().size(), left);
+  // Joined segments and erased neighbours change nothing of it.
+  const auto kept = KeptSaliency::read(store_);
+  ASSERT_OK(kept);
+  ASSERT_OK(compact(store_, {}));
+  ASSERT_OK(kept->restore(store_));
+  ASSERT_OK(make_saliency_stale(store_, {cup_entity()}));
+  EXPECT_LT(table().size(), 10u);
+  ASSERT_OK(make());
+  forget_all_but(0.2);
+  EXPECT_EQ(table().size(), left);
+  // Of what is new another fifth stays.
+  record_day(store_, 200, 400);
+  ASSERT_OK(make());
+  forget_all_but(0.2);
+  EXPECT_NEAR(table().size(), 81, 3);
+}
+
+TEST_F(MakeSaliencyTest, ALaterNightMeasuresChangeAsOneNightWould) {
+  // The cup swings all day.
+  const auto path = scratch_ / "swings";
+  const auto record = [&](const std::filesystem::path& store, int64_t first, int64_t end) {
+    const auto writer = StoreWriter::open(store, {.durability = Durability::kNone});
+    ASSERT_OK(writer);
+    for (int64_t i = first; i < end; ++i) {
+      const std::vector<double> position{std::sin(static_cast<double>(i) * 0.7), 0};
+      Snapshot snapshot{cup_entity(), example_time(i), {}};
+      snapshot.instances.push_back(
+          {idf::Dict{{"position", idf::NdArray::take({2}, position)}}, example_metadata(i)});
+      ASSERT_OK((*writer)->append({pack_snapshot(snapshot)}, nullptr));
+    }
+    ASSERT_OK((*writer)->seal());
+  };
+  const auto mean_change = [](const std::filesystem::path& store) {
+    const auto reader = StoreReader::open(store);
+    EXPECT_OK(reader);
+    const EntitySaliency all = stored_saliency_of(**reader, cup_entity());
+    double sum = 0;
+    for (size_t i = 3000; i < 3020; ++i)
+      sum += parts_of(all.rows[i].parts, 0)[SaliencyPart::kChange] / 20;
+    return sum;
+  };
+  std::vector<double> changes;
+  for (const bool has_nights : {false, true}) {
+    const auto store = path / (has_nights ? "nights" : "night");
+    ASSERT_OK(create_store(store));
+    record(store, 0, has_nights ? 3000 : 3020);
+    ASSERT_OK(make_saliency(store, {}, {}, {}, {}));
+    if (has_nights) record(store, 3000, 3020);
+    ASSERT_OK(make_saliency(store, {}, {}, {}, {}));
+    changes.push_back(mean_change(store));
+  }
+  EXPECT_NEAR(changes[1], changes[0], 0.05);
+}
+
+TEST_F(MakeSaliencyTest, ALayoutThatComesBackIsNotNew) {
+  {
+    const auto writer = StoreWriter::open(store_, {.durability = Durability::kNone});
+    ASSERT_OK(writer);
+    for (int64_t i = 0; i < 60; ++i) {
+      Snapshot snapshot{example_entity("turns"), example_time(i), {}};
+      idf::Dict value{{"x", i < 50 ? 1.0 : 2.0 + static_cast<double>(i)}};
+      if (i % 2 == 1) value.append_unique("y", 3.0);
+      snapshot.instances.push_back({std::move(value), example_metadata(i)});
+      ASSERT_OK((*writer)->append({pack_snapshot(snapshot)}, nullptr));
+    }
+    ASSERT_OK((*writer)->seal());
+  }
+  ASSERT_OK(make());
+  const auto reader = *StoreReader::open(store_);
+  const EntitySaliency all = stored_saliency_of(*reader, example_entity("turns"));
+  const auto novelty = [&](size_t i) {
+    return parts_of(all.rows[i].parts, 0)[SaliencyPart::kNovelty];
+  };
+  EXPECT_EQ(novelty(0), 1);
+  EXPECT_EQ(novelty(1), 1);  // Another layout.
+  for (size_t i = 2; i < 50; ++i) EXPECT_EQ(novelty(i), 0) << i;
+  EXPECT_GT(novelty(50), 0.1);
+}
+
+TEST_F(MakeSaliencyTest, OneDamagedSnapshotIsLookedAtOnce) {
+  ASSERT_OK(make());
+  record_day(store_, 200, 260);
+  const auto unreadable = [&]() -> size_t {
+    const auto reader = StoreReader::open(store_);
+    if (!reader.ok()) return 0;
+    const auto entries = entries_of(**reader, cup_entity());
+    if (!entries.ok() || entries->size() != 260) return 0;
+    return static_cast<size_t>(std::ranges::count_if(*entries, [&](const SnapshotEntry& entry) {
+      return (*reader)->read_values(cup_entity(), entry).status().code() == StatusCode::kDataLoss;
+    }));
+  };
+  const auto file = store_ / (*StoreReader::open(store_))->manifest().segments.back().file;
+  const uint64_t bits = std::filesystem::file_size(file) * 8;
+  for (uint64_t bit = 3; bit < bits && unreadable() == 0; bit += 32) {
+    flip_bit(file, bit);
+    if (unreadable() == 0) flip_bit(file, bit);
+  }
+  const size_t damaged = unreadable();
+  ASSERT_GT(damaged, 0u);
+  const auto second = make();
+  ASSERT_OK(second);
+  EXPECT_EQ(table().size(), 266u - damaged);
+  EXPECT_EQ(make()->snapshots, 0u);
+  // What comes behind it is all that the next night looks at.
+  record_day(store_, 260, 270);
+  EXPECT_EQ(make()->snapshots, 10u);
 }
 
 TEST_F(MakeSaliencyTest, WhatWasReadIsWorthMore) {

@@ -2,6 +2,7 @@
 #include "ltm/saliency/moment_content.h"
 
 #include <cmath>
+#include <limits>
 
 #include "tests/ltm/expect_status.h"
 
@@ -72,10 +73,48 @@ TEST(MomentContent, KnowsWordsAndOutcomes) {
   EXPECT_EQ(content_of(Dict{{"outcome", 2}}).outcome, ActionOutcome::kUnknown);
 }
 
+TEST(MomentContent, ElementsWithoutTextsTellNoFactsAndNoLinks) {
+  const auto seen = [](size_t count) {
+    List things;
+    for (size_t i = 0; i < count; ++i) things.push_back(Dict{{"x", static_cast<double>(i)}});
+    return content_of(Dict{{"things", things}});
+  };
+  EXPECT_EQ(seen(3).facts, seen(5).facts);
+  EXPECT_EQ(seen(3).links, 0u);
+  EXPECT_EQ(seen(5).links, 0u);
+}
+
+TEST(MomentContent, WordsCountWhereverTheyAre) {
+  EXPECT_TRUE(content_of(Dict{{"said", List{Dict{{"text", "Stop!"}}}}}).is_speech);
+  EXPECT_FALSE(content_of(Dict{{"said", List{"left"}}}).is_speech);
+  ContentReader reader({});
+  reader.begin();
+  reader.add(1.0);
+  reader.add("Bring the salt.");  // The second instance.
+  EXPECT_TRUE(reader.content().is_speech);
+}
+
+TEST(MomentContent, IntegersOfAnySizeAreNumbersAndTimesAreNot) {
+  const auto numbers_in = [](const idf::Data& value) {
+    return content_of(Dict{{"value", value}}).numbers;
+  };
+  const auto array = []<typename T>(std::vector<T> values) {
+    const auto count = static_cast<int64_t>(values.size());
+    return NdArray::take({count}, std::move(values));
+  };
+  EXPECT_EQ(numbers_in(array(std::vector<int64_t>{-4, 7})), (std::vector<double>{-4, 7}));
+  EXPECT_EQ(numbers_in(array(std::vector<uint16_t>{4, 65535})), (std::vector<double>{4, 65535}));
+  EXPECT_TRUE(numbers_in(array(std::vector<int64_t>{4, 1'600'000'000'000'000'000})).empty());
+  EXPECT_TRUE(numbers_in(std::numeric_limits<int64_t>::min()).empty());
+}
+
 TEST(MomentContent, HostileDepthAndSizeEnd) {
   idf::Data deep = 1.0;
   for (int i = 0; i < 500; ++i) deep = Dict{{"in", deep}};
   EXPECT_TRUE(content_of(deep).numbers.empty());
+  // What stands beside it is read all the same.
+  EXPECT_EQ(content_of(Dict{{"deep", deep}, {"x", Dict{{"y", 2.0}}}}).numbers,
+            std::vector<double>{2});
   Dict wide;
   for (int i = 0; i < 5000; ++i) wide.append_unique(std::to_string(i), 0.5);
   EXPECT_EQ(content_of(wide).numbers.size(), ContentReader::kMaxNumbers);

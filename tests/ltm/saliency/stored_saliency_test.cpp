@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/saliency/stored_saliency.h"
 
+#include "ltm/codec/zstd.h"
+#include "ltm/core/byte_fields.h"
 #include "ltm/saliency/learn_weights.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/store/example_snapshots.h"
@@ -19,8 +21,9 @@ SaliencyParts example_parts(int64_t i) {
 EntitySaliency example_saliency(const std::string& name, int64_t count) {
   EntitySaliency saliency{example_entity(name), {}, {}};
   for (int64_t i = 0; i < count; ++i) {
-    saliency.times.push_back(example_time(i));
-    saliency.parts.push_back(stored_parts(example_parts(i)));
+    saliency.append(example_time(i),
+                    {stored_parts(example_parts(i)), static_cast<uint32_t>(1 + i % 4),
+                     i % 5 == 1 ? RowState::kDamaged : RowState::kKnown});
   }
   return saliency;
 }
@@ -32,8 +35,8 @@ TEST(StoredSaliency, ComesBackAsItWasPacked) {
   ASSERT_EQ(read->size(), 2u);
   EXPECT_EQ(read->front().entity, all.front().entity);
   EXPECT_EQ(read->front().times, all.front().times);
-  EXPECT_EQ(read->front().parts, all.front().parts);
-  const SaliencyParts parts = parts_of(read->front().parts[5], 3);
+  EXPECT_EQ(read->front().rows, all.front().rows);
+  const SaliencyParts parts = parts_of(read->front().rows[5].parts, 3);
   EXPECT_NEAR(parts[SaliencyPart::kChange], 5.0 / 7, 1e-4);
   EXPECT_EQ(parts[SaliencyPart::kReads], 0.75);
 }
@@ -45,6 +48,30 @@ TEST(StoredSaliency, DamagedBytesAreRefused) {
   EntitySaliency backwards = example_saliency("cam", 3);
   std::swap(backwards.times[0], backwards.times[2]);
   EXPECT_EQ(unpack_saliency(pack_saliency({backwards})).status().code(), StatusCode::kDataLoss);
+  EntitySaliency nothing = example_saliency("cam", 3);
+  nothing.rows[1].stands_for = 0;
+  EXPECT_EQ(unpack_saliency(pack_saliency({nothing})).status().code(), StatusCode::kDataLoss);
+  EntitySaliency strange = example_saliency("cam", 3);
+  strange.rows[1].state = static_cast<RowState>(7);
+  EXPECT_EQ(unpack_saliency(pack_saliency({strange})).status().code(), StatusCode::kDataLoss);
+}
+
+TEST(StoredSaliency, WhatTheFirstVersionWroteIsRead) {
+  const EntitySaliency one = example_saliency("cam", 3);
+  std::vector<std::byte> bytes;
+  FieldWriter fields(bytes);
+  fields.number(uint32_t{1});
+  fields.number(uint32_t{1});
+  fields.text(one.entity.to_string());
+  fields.number(uint64_t{3});
+  for (const Time time : one.times) fields.number(to_ns(time));
+  for (size_t part = 0; part < StoredParts().size(); ++part)
+    for (const SaliencyRow& row : one.rows) fields.number(row.parts[part]);
+  const auto read = unpack_saliency(compress_zstd(bytes));
+  ASSERT_OK(read);
+  ASSERT_EQ(read->front().rows.size(), 3u);
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_EQ(read->front().rows[i], (SaliencyRow{one.rows[i].parts, 1, RowState::kKnown}));
 }
 
 TEST(StoredSaliency, WeightsComeBackAndWrongOnesAreRefused) {
