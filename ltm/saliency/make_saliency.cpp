@@ -149,7 +149,7 @@ Result<SaliencyWeights> learn_from_reads(StoreReader& store) {
   for (const auto& [entity, snapshots] : accesses.all()) {
     const auto found = known.find(entity);
     if (found == known.end() || !store.has(entity)) continue;
-    const EntitySaliency& saliency = found->second;
+    const EntitySaliency saliency = found->second.known_rows();
     std::vector<bool> read(saliency.times.size(), false);
     for (size_t i = 0; i < read.size(); ++i) read[i] = snapshots.contains(saliency.times[i]);
     learner.add(saliency, read);

@@ -81,6 +81,13 @@ void EntitySaliency::append(const EntitySaliency& other) {
   rows.insert(rows.end(), other.rows.begin(), other.rows.end());
 }
 
+EntitySaliency EntitySaliency::known_rows() const {
+  EntitySaliency known{entity, {}, {}};
+  for (size_t i = 0; i < times.size(); ++i)
+    if (rows[i].state == RowState::kKnown) known.append(times[i], rows[i]);
+  return known;
+}
+
 std::optional<size_t> EntitySaliency::find(Time time) const {
   const auto at = std::ranges::lower_bound(times, time);
   if (at == times.end() || *at != time) return std::nullopt;

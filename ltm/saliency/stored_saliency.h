@@ -51,6 +51,8 @@ struct EntitySaliency {
   }
   /// Appends all of `other`.
   void append(const EntitySaliency& other);
+  /// Those of which the parts are known.
+  [[nodiscard]] EntitySaliency known_rows() const;
   /// The row of a moment, as an index; nothing if there is none. Complexity: O(log N).
   [[nodiscard]] std::optional<size_t> find(Time time) const;
 };

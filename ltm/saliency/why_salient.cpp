@@ -173,14 +173,6 @@ class Explaining {
   MomentContent content_;  ///< Of the snapshot that was read last.
 };
 
-/// The rows that have parts.
-EntitySaliency known_rows(const EntitySaliency& all) {
-  EntitySaliency known{all.entity, {}, {}};
-  for (size_t i = 0; i < all.times.size(); ++i)
-    if (all.rows[i].state == RowState::kKnown) known.append(all.times[i], all.rows[i]);
-  return known;
-}
-
 /// The parts of all snapshots of an entity, calculated now.
 Result<EntitySaliency> calculate(StorePast& past, const MemoryId& entity,
                                  const std::vector<SnapshotEntry>& entries,
@@ -213,11 +205,11 @@ Result<SalientMoment> why_salient(StorePast& past, const AccessTable& accesses,
   ENGRAM_ASSIGN_OR_RETURN(const MemberUnits units,
                           measure_units(past, entities_beside(past.store(), entity),
                                         [&stop] { return stop.stop_requested(); }));
-  EntitySaliency saliency = known_rows(stored_saliency_of(past.store(), entity));
+  EntitySaliency saliency = stored_saliency_of(past.store(), entity).known_rows();
   const bool is_stored = saliency.find(asked).has_value();
   if (!is_stored) {
     ENGRAM_ASSIGN_OR_RETURN(saliency, calculate(past, entity, entries, units, stop));
-    saliency = known_rows(saliency);
+    saliency = saliency.known_rows();
   }
   const auto row = saliency.find(asked);
   if (!row) return failed_precondition("'{}': is damaged", entity.at(asked).printable());
