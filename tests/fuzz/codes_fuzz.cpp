@@ -30,7 +30,7 @@ void unpack_both(std::span<const std::byte> bytes) {
     ENGRAM_CHECK(again.ok() && again->size() == saliency->size(), "saliency differs");
     for (size_t i = 0; i < saliency->size(); ++i)
       ENGRAM_CHECK(
-          (*again)[i].times == (*saliency)[i].times && (*again)[i].parts == (*saliency)[i].parts,
+          (*again)[i].times == (*saliency)[i].times && (*again)[i].rows == (*saliency)[i].rows,
           "saliency differs");
   } else {
     ENGRAM_CHECK(saliency.status().code() == StatusCode::kDataLoss, "{}",
