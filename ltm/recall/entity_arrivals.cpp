@@ -19,37 +19,35 @@ Time came_at(Time time, Time arrived) {
   return high - low > max ? time : arrived;
 }
 
-/// A past in a list of some of its moments.
+/// What had arrived of a past.
 class ArrivedPast final : public EntityPast {
  public:
   ArrivedPast(std::unique_ptr<EntityPast> past, std::shared_ptr<const EntityArrivals> arrivals,
               Time now)
       : past_(std::move(past)),
         arrivals_(std::move(arrivals)),
-        times_(arrivals_->arrived_until(now, own_)) {}
+        arrived_(arrivals_->arrived_until(now)) {}
 
-  [[nodiscard]] bool empty() const { return times_.empty(); }
+  [[nodiscard]] bool empty() const { return arrived_ == 0; }
 
-  Result<std::optional<Time>> first() override { return nth(0); }
+  Result<std::optional<Time>> first() override { return time_at(0); }
   Result<std::optional<Time>> last() override {
-    return times_.empty() ? std::nullopt : std::optional(times_.back());
+    return arrived_ == 0 ? std::nullopt : time_at(arrived_ - 1);
   }
   Result<std::optional<Time>> at_or_after(Time time) override {
-    const auto found = std::ranges::lower_bound(times_, time);
-    return found == times_.end() ? std::nullopt : std::optional(*found);
+    return time_at(arrivals_->before(time, arrived_));
   }
   Result<std::optional<Time>> at_or_before(Time time) override {
-    const auto behind = std::ranges::upper_bound(times_, time);
-    return behind == times_.begin() ? std::nullopt : std::optional(*std::prev(behind));
+    if (time == Time::max()) return last();
+    const size_t until = arrivals_->before(time + Duration(1), arrived_);
+    return until == 0 ? std::nullopt : time_at(until - 1);
   }
-  Result<std::optional<Time>> nth(uint64_t index) override {
-    return index < times_.size() ? std::optional(times_[index]) : std::nullopt;
-  }
-  Result<uint64_t> count() override { return uint64_t{times_.size()}; }
+  Result<std::optional<Time>> nth(uint64_t index) override { return time_at(index); }
+  Result<uint64_t> count() override { return uint64_t{arrived_}; }
 
   Result<SharedContext> context(const std::optional<idf::Type>& type) override {
     ENGRAM_ASSIGN_OR_RETURN(const SharedContext all, past_->context(type));
-    return context_at(all, times_);
+    return context_at(all, arrivals_->times(arrived_));
   }
 
   Result<RecalledSnapshot> read(Time moment, Prefer prefer) override {
@@ -62,15 +60,18 @@ class ArrivedPast final : public EntityPast {
   }
 
  private:
+  [[nodiscard]] std::optional<Time> time_at(uint64_t index) const {
+    if (index >= arrived_) return std::nullopt;
+    return arrivals_->nth_time(index, arrived_);
+  }
   void check(Time moment) const {
-    ENGRAM_CHECK(std::ranges::binary_search(times_, moment), "{} has not arrived yet",
+    ENGRAM_CHECK(time_at(arrivals_->before(moment, arrived_)) == moment, "{} has not arrived yet",
                  to_string(moment));
   }
 
   const std::unique_ptr<EntityPast> past_;
   const std::shared_ptr<const EntityArrivals> arrivals_;
-  std::vector<Time> own_;
-  const std::span<const Time> times_;
+  const size_t arrived_;  ///< So many, in the order of arrivals.
 };
 
 }  // namespace
@@ -100,18 +101,36 @@ EntityArrivals::EntityArrivals(std::vector<Time> times, std::vector<Time> arrive
   std::iota(in_order_.begin(), in_order_.end(), 0);
   // Times increase, so a stable sort orders equal arrivals by them.
   std::ranges::stable_sort(in_order_, {}, [this](uint32_t place) { return arrived_[place]; });
+  by_time_ = PrefixOrder(in_order_);
 }
 
-std::span<const Time> EntityArrivals::arrived_until(Time now, std::vector<Time>& own) const {
+size_t EntityArrivals::arrived_until(Time now) const {
   ENGRAM_CHECK(!is_in_time_, "the timeline tells");
-  if (in_order_.empty()) {
-    const auto behind = std::ranges::upper_bound(arrived_, now);
-    return std::span(times_).first(static_cast<size_t>(behind - arrived_.begin()));
-  }
-  own.clear();
+  return behind({now, Time::max()});
+}
+
+// Indices of `times_` are in the order of times, so theirs is that of times.
+size_t EntityArrivals::before(Time time, size_t arrived) const {
+  const auto found = std::ranges::lower_bound(times_, time);
+  const auto bound = static_cast<size_t>(found - times_.begin());
+  return in_order_.empty() ? std::min(bound, arrived) : by_time_.below(arrived, bound);
+}
+
+Time EntityArrivals::nth_time(size_t index, size_t arrived) const {
+  ENGRAM_CHECK(index < arrived, "found snapshot {} of {}", index, arrived);
+  return times_[in_order_.empty() ? index : by_time_.nth(arrived, index)];
+}
+
+std::vector<Time> EntityArrivals::times(size_t arrived) const {
+  if (in_order_.empty()) return {times_.begin(), times_.begin() + static_cast<ptrdiff_t>(arrived)};
+  if (arrived == times_.size()) return times_;
+  if (arrived == 0) return {};
+  const Arrival last = nth(arrived - 1);
+  std::vector<Time> times;
+  times.reserve(arrived);
   for (size_t i = 0; i < times_.size(); ++i)
-    if (arrived_[i] <= now) own.push_back(times_[i]);
-  return own;
+    if (Arrival{arrived_[i], times_[i]} <= last) times.push_back(times_[i]);
+  return times;
 }
 
 Arrival EntityArrivals::nth(size_t place) const {
@@ -119,8 +138,7 @@ Arrival EntityArrivals::nth(size_t place) const {
   return {arrived_[index], times_[index]};
 }
 
-std::optional<Arrival> EntityArrivals::next(const Arrival& after) const {
-  ENGRAM_CHECK(!is_in_time_, "the timeline tells");
+size_t EntityArrivals::behind(const Arrival& after) const {
   size_t low = 0, high = times_.size();
   while (low < high) {
     const size_t middle = low + (high - low) / 2;
@@ -129,7 +147,13 @@ std::optional<Arrival> EntityArrivals::next(const Arrival& after) const {
     else
       high = middle;
   }
-  return low == times_.size() ? std::nullopt : std::optional(nth(low));
+  return low;
+}
+
+std::optional<Arrival> EntityArrivals::next(const Arrival& after) const {
+  ENGRAM_CHECK(!is_in_time_, "the timeline tells");
+  const size_t place = behind(after);
+  return place == times_.size() ? std::nullopt : std::optional(nth(place));
 }
 
 Result<std::unique_ptr<EntityPast>> arrived_past(std::unique_ptr<EntityPast> past,

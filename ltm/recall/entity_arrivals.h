@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "ltm/recall/known_past.h"
+#include "ltm/recall/prefix_order.h"
 #include "ltm/store/store_reader.h"
 
 namespace engram::ltm {
@@ -26,7 +26,7 @@ struct Arrival {
 /// told which of them were there at a moment.
 ///
 /// Snapshots that arrived at their own times, as those of an import did, need no list: their
-/// timeline tells. Of others it holds 16 bytes each, and 4 more if they did not arrive in the order
+/// timeline tells. Of others it holds 16 bytes each, and 7 more if they did not arrive in the order
 /// of their times.
 /// Threading: immutable.
 /// Source: docs/replay.md, "What was there when".
@@ -52,22 +52,34 @@ class EntityArrivals {
   /// Whether all arrived at their own times. Then the other functions must not be called (checked).
   [[nodiscard]] bool is_in_time() const { return is_in_time_; }
 
-  /// The times of the snapshots that had arrived at `now`, in their order. `own` holds them where
-  /// they are no prefix of all, and must live as long as the result.
-  /// Complexity: O(log snapshots); O(snapshots) if they did not arrive in the order of their times.
-  [[nodiscard]] std::span<const Time> arrived_until(Time now, std::vector<Time>& own) const;
+  /// How many snapshots had arrived at `now`. These are the first so many in the order of arrivals,
+  /// and what the functions below that are given their number tell of.
+  /// Complexity: O(log snapshots), as of all that follow.
+  [[nodiscard]] size_t arrived_until(Time now) const;
+
+  /// How many of the first `arrived` are before `time`.
+  [[nodiscard]] size_t before(Time time, size_t arrived) const;
+
+  /// The time of the first `arrived` with this index in the order of times (checked).
+  [[nodiscard]] Time nth_time(size_t index, size_t arrived) const;
+
+  /// The times of the first `arrived`, in their order.
+  /// Complexity: O(snapshots).
+  [[nodiscard]] std::vector<Time> times(size_t arrived) const;
 
   /// The first snapshot behind `after` in the order of arrivals.
-  /// Complexity: O(log snapshots).
   [[nodiscard]] std::optional<Arrival> next(const Arrival& after) const;
 
  private:
   [[nodiscard]] Arrival nth(size_t place) const;
+  /// The place of the first behind `after` in the order of arrivals.
+  [[nodiscard]] size_t behind(const Arrival& after) const;
 
   bool is_in_time_ = true;
   std::vector<Time> times_;         ///< In order.
   std::vector<Time> arrived_;       ///< Of each.
   std::vector<uint32_t> in_order_;  ///< Indices in the order of arrivals; empty: as they are.
+  PrefixOrder by_time_;             ///< Of `in_order_`.
 };
 
 /// The past of an entity as it was at `now`: nothing that arrived later. Null if that leaves none.
