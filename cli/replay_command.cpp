@@ -48,13 +48,13 @@ struct ReplayArguments {
   std::vector<std::string> listen;
   std::string name = "engram";
   bool is_json = false;
+  std::vector<std::string> starting;  ///< The options that were given and say how a replay begins.
 };
 
 Result<ReplayLoop> loop_of(const std::string& text) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Selector selector, ltm::parse_selector(text));
   const auto* range = std::get_if<ltm::select::TimeRange>(&selector);
-  if (range == nullptr)
-    return invalid_argument("found the loop '{}', needs TIME..TIME", text);
+  if (range == nullptr) return invalid_argument("found the loop '{}', needs TIME..TIME", text);
   return ReplayLoop{range->first, range->last};
 }
 
@@ -106,36 +106,34 @@ ExitCode serve_replay(const ReplayArguments& arguments) {
   return ExitCode::kDone;
 }
 
-Result<std::optional<ReplayCommand>> command_of(const std::vector<std::string>& words) {
-  using Kind = ReplayCommand::Kind;
+/// The value that tells a replay this.
+Result<idf::Dict> told_by(const std::vector<std::string>& words) {
   const std::string& word = words.front();
   const bool has_value = word == "seek" || word == "speed" || word == "loop";
   if (words.size() != (has_value ? 2u : 1u))
     return invalid_argument("found {} words after '{}', needs {}", words.size() - 1, word,
                             has_value ? 1 : 0);
-  ReplayCommand command;
-  if (word == "status") return std::optional<ReplayCommand>();
-  if (word == "play" || word == "pause" || word == "step") {
-    command.kind = word == "play" ? Kind::kPlay : word == "pause" ? Kind::kPause : Kind::kStep;
-  } else if (word == "seek") {
-    command.kind = Kind::kSeek;
-    ENGRAM_ASSIGN_OR_RETURN(command.time, parse_time(words[1]));
-  } else if (word == "speed") {
-    command.kind = Kind::kSpeed;
+  idf::Dict told{{"command", word}};
+  if (word == "seek") told.set("time", words[1]);
+  if (word == "speed") {
     char* end = nullptr;
-    command.speed = std::strtod(words[1].c_str(), &end);
+    told.set("speed", std::strtod(words[1].c_str(), &end));
     if (end == words[1].c_str() || *end != '\0')
       return invalid_argument("found the speed '{}', needs a number", words[1]);
-  } else if (word == "loop") {
-    command.kind = Kind::kLoop;
-    if (words[1] != "off") {
-      ENGRAM_ASSIGN_OR_RETURN(command.loop, loop_of(words[1]));
-    }
-  } else {
-    return invalid_argument("found '{}', needs one of play, pause, step, seek, speed, loop, status",
-                            word);
   }
-  ENGRAM_RETURN_IF_ERROR(command.validate());
+  if (word == "loop" && words[1] != "off") {
+    ENGRAM_ASSIGN_OR_RETURN(const ReplayLoop loop, loop_of(words[1]));
+    told.set("first", to_ns(loop.first));
+    told.set("last", to_ns(loop.last));
+  }
+  return told;
+}
+
+/// Nothing for 'status'.
+Result<std::optional<ReplayCommand>> command_of(const std::vector<std::string>& words) {
+  ENGRAM_ASSIGN_OR_RETURN(const idf::Dict told, told_by(words));
+  if (words.front() == "status") return std::optional<ReplayCommand>();
+  ENGRAM_ASSIGN_OR_RETURN(const ReplayCommand command, ReplayCommand::from_data(told));
   return std::optional(command);
 }
 
@@ -163,8 +161,12 @@ ExitCode run(const ReplayArguments& arguments) {
   if (is_control) {
     if (arguments.words.empty())
       return wrong_usage(invalid_argument("needs what the replay is to do, such as 'pause'"));
-    if (!arguments.config.empty())
-      return wrong_usage(invalid_argument("found --config beside --server, needs one of them"));
+    if (!arguments.starting.empty())
+      return wrong_usage(invalid_argument(
+          "found {} beside {}: says how a replay begins, and the one there runs already; needs a "
+          "command such as 'seek', 'speed' or 'loop'",
+          fmt::join(arguments.starting, ", "),
+          arguments.remote.server.empty() ? "--names" : "--server"));
     return control(arguments);
   }
   if (arguments.words.size() + (arguments.config.empty() ? 0 : 1) != 1)
@@ -181,21 +183,27 @@ void add_replay_command(CLI::App& app, ExitCode& exit_code) {
   CLI::App* command = app.add_subcommand("replay", "Serve a store as the memory that it was");
   command->footer(kReplayFooter);
   command->add_option("words", arguments->words, "Store; with --server what the replay is to do");
-  command->add_option("--config", arguments->config, "robot.yaml, whose servers are replayed");
-  command->add_option("--at", arguments->at,
-                      "Moment to begin with; else that of the first snapshot");
-  command->add_option("--speed", arguments->speed, "Replayed seconds per second")
-      ->capture_default_str();
-  command->add_flag("--paused", arguments->is_paused, "Stand still at first");
-  command->add_option("--loop", arguments->loop, "TIME..TIME: repeat this part");
-  command
-      ->add_option("--listen", arguments->listen,
-                   "Endpoint, as of serve, may be said several times; else a socket of this user")
-      ->allow_extra_args(false);
-  command->add_option("--name", arguments->name, "Of the server")->capture_default_str();
+  const std::vector<CLI::Option*> starting{
+      command->add_option("--config", arguments->config, "robot.yaml, whose servers are replayed"),
+      command->add_option("--at", arguments->at,
+                          "Moment to begin with; else that of the first snapshot"),
+      command->add_option("--speed", arguments->speed, "Replayed seconds per second")
+          ->capture_default_str(),
+      command->add_flag("--paused", arguments->is_paused, "Stand still at first"),
+      command->add_option("--loop", arguments->loop, "TIME..TIME: repeat this part"),
+      command
+          ->add_option("--listen", arguments->listen,
+                       "Endpoint, as of serve, may be said several times; else a socket of this "
+                       "user")
+          ->allow_extra_args(false),
+      command->add_option("--name", arguments->name, "Of the server")->capture_default_str()};
   command->add_flag("--json", arguments->is_json, "Tell as JSON");
   add_remote_options(*command, arguments->remote);
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command->callback([arguments, starting, &exit_code] {
+    for (const CLI::Option* option : starting)
+      if (option->count() > 0) arguments->starting.push_back(option->get_name());
+    exit_code = run(*arguments);
+  });
 }
 
 }  // namespace engram::cli

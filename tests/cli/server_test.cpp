@@ -369,6 +369,16 @@ TEST_F(Server, ReplaysAStoreAsTheMemoryThatItWas) {
   EXPECT_EQ(stepped.exit_code, 0) << stepped.err;
   EXPECT_EQ(run_engram({"replay", "--server", socket, "jump"}).exit_code, 2);
   EXPECT_EQ(run_engram({"replay", "--server", socket, "seek", "2001-01-01"}).exit_code, 1);
+  EXPECT_THAT(run_engram({"replay", "--server", socket, "speed", "0"}).err,
+              HasSubstr("found a speed of 0, needs one from 0.001 to 1000"));
+  // What says how a replay begins would be of no effect on one that runs.
+  for (const char* option : {"--at=2020-09-13", "--speed=2", "--paused", "--loop=0..1",
+                             "--listen=unix:/tmp/x", "--name=x", "--config=robot.yaml"}) {
+    const RunResult refused = run_engram({"replay", "--server", socket, "status", option});
+    EXPECT_EQ(refused.exit_code, 2) << option;
+    const std::string name = std::string(option).substr(0, std::string(option).find('='));
+    EXPECT_THAT(refused.err, HasSubstr("found " + name + " beside --server"));
+  }
   while (run_engram({"replay", "--server", socket, "step"}).exit_code == 0) {
   }
   const RunResult watched = watch.end(0);
