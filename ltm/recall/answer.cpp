@@ -17,4 +17,11 @@ RecalledSnapshot recalled(SharedSnapshot held, const std::vector<int32_t>& insta
   return {result_of(*held, instances, is_ids_only), std::move(held)};
 }
 
+Snapshot to_snapshot(const MemoryId& entity, SnapshotResult told) {
+  Snapshot snapshot{entity, told.time, {}};
+  for (InstanceResult& instance : told.instances)
+    snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
+  return snapshot;
+}
+
 }  // namespace engram::ltm

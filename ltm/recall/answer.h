@@ -30,6 +30,9 @@ struct Answer {
   [[nodiscard]] QueryResult to_result() &&;
 };
 
+/// What an answer tells of a moment, as a snapshot of `entity`.
+[[nodiscard]] Snapshot to_snapshot(const MemoryId& entity, SnapshotResult told);
+
 /// Makes a moment of an answer from a snapshot of working memory. `instances` selects instances by
 /// index; empty selects all. The result has no instances if none of the selected ones exists.
 [[nodiscard]] RecalledSnapshot recalled(SharedSnapshot held, const std::vector<int32_t>& instances,

@@ -76,13 +76,6 @@ bool is_unreadable(const Status& status) {
   return status.code() == StatusCode::kDataLoss || status.code() == StatusCode::kFailedPrecondition;
 }
 
-Snapshot to_snapshot(const MemoryId& entity, SnapshotResult read) {
-  Snapshot snapshot{entity, read.time, {}};
-  for (InstanceResult& instance : read.instances)
-    snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
-  return snapshot;
-}
-
 Result<SnapshotResult> read(EntityPast& past, Time moment, Prefer prefer) {
   ENGRAM_ASSIGN_OR_RETURN(RecalledSnapshot recalled, past.read(moment, prefer));
   return std::move(recalled.answer);

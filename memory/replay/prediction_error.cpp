@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "memory/replay/prediction_error.h"
 
-#include <cmath>
-
+#include "ltm/prediction/instance_history.h"
 #include "ltm/prediction/member_samples.h"
 #include "ltm/prediction/value_row.h"
 
 namespace engram::memory {
-
-namespace {
-
-/// The mean of two means over so many elements; one that is not known does not count.
-double mean_of_both(double a, size_t of_a, double b, size_t of_b) {
-  if (std::isnan(a) || of_a == 0) return b;
-  if (std::isnan(b) || of_b == 0) return a;
-  const auto in_a = static_cast<double>(of_a);
-  const auto in_b = static_cast<double>(of_b);
-  return (a * in_a + b * in_b) / (in_a + in_b);
-}
-
-}  // namespace
 
 Result<ltm::MeasuredError> prediction_error(const idf::Data& predicted, const idf::Data& came,
                                             const std::optional<idf::Type>& type) {
@@ -40,8 +26,8 @@ Result<ltm::MeasuredError> prediction_error(const idf::Data& predicted, const id
   }
   const ltm::MemberSamples samples(*rows);
   ltm::MeasuredError error = samples.difference(samples.sample(is), samples.sample(*split));
-  error.number_mse = mean_of_both(rows->mean_square(came_row, predicted_row), rows->counted(),
-                                  error.number_mse, samples.number_elements());
+  error.number_mse = ltm::joined_error(rows->mean_square(came_row, predicted_row), rows->counted(),
+                                       error.number_mse, samples.number_elements());
   return error;
 }
 

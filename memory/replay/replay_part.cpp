@@ -16,13 +16,6 @@ Time end_of_time() {
   return Time::max();
 }
 
-ltm::Snapshot snapshot_of(const ltm::MemoryId& id, ltm::SnapshotResult read) {
-  ltm::Snapshot snapshot{id.entity(), read.time, {}};
-  for (ltm::InstanceResult& instance : read.instances)
-    snapshot.instances.push_back({std::move(instance.data), std::move(instance.metadata)});
-  return snapshot;
-}
-
 bool arrived_after(const ltm::HeldSnapshot& snapshot, Time now) {
   return std::ranges::any_of(snapshot.instances, [now](const ltm::Instance& instance) {
     return instance.metadata.arrived > now;
@@ -140,7 +133,7 @@ ReplayPart::Passed ReplayPart::pass() {
     auto read = past.ok() && *past ? (*past)->read(*id.time(), ltm::Prefer::kRecorded)
                                    : Result<ltm::RecalledSnapshot>(past.status());
     if (past.ok() && *past && read.ok()) {
-      told.push_back(ltm::hold_untyped(snapshot_of(id, std::move(read->answer))));
+      told.push_back(ltm::hold_untyped(to_snapshot(id.entity(), std::move(read->answer))));
       continue;
     }
     ++passed.unreadable;
