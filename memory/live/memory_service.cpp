@@ -89,7 +89,7 @@ Result<ltm::Admission> MemoryService::commit(ltm::Commit commit,
     };
   auto admission = state_->memory->admit(std::move(commit), std::move(encoded),
                                          durability == Durability::kJournal, redaction);
-  if (below != nullptr && admission.ok()) below->admitted(*admission);
+  if (below != nullptr && admission.ok()) ENGRAM_RETURN_IF_ERROR(below->admitted(*admission));
   return admission;
 }
 

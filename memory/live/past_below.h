@@ -49,8 +49,8 @@ class PastBelow {
   /// Called ahead of each commit; an error refuses it.
   virtual Status check(const ltm::Commit& commit) = 0;
 
-  /// Called after each commit.
-  virtual void admitted(const ltm::Admission& admission) = 0;
+  /// Called after each commit. An error refuses it; nothing of it is in working memory then.
+  virtual Status admitted(const ltm::Admission& admission) = 0;
 
   /// Called with each answer before it is given out.
   virtual void answered(const ltm::Answer& answer) = 0;

@@ -25,6 +25,7 @@ struct ReplayOptions {
   double speed = 1;  ///< From 0.001 to 1000. Unit: replayed seconds per second.
   /// Whether the clock stands still at first, so that programs can subscribe before anything comes.
   bool is_paused = false;
+  /// One that ends before the moment to begin with is entered at its beginning.
   std::optional<ReplayLoop> loop{};
 
   /// Errors: kInvalidArgument.

@@ -85,6 +85,14 @@ void ReplayPart::rewind(Time now) {
   above_->forget(later);
 }
 
+void ReplayPart::take_back(std::span<const ltm::SharedSnapshot> snapshots) {
+  std::map<ltm::MemoryId, TimeSet> all;
+  for (const ltm::SharedSnapshot& snapshot : snapshots)
+    all[snapshot->entity].insert(snapshot->time);
+  const SharedLock lock(mutex_);
+  if (above_ != nullptr) above_->forget(all);
+}
+
 void ReplayPart::take_back_later(std::span<const ltm::SharedSnapshot> snapshots) {
   const Time now = now_();
   std::map<ltm::MemoryId, TimeSet> later;

@@ -38,7 +38,9 @@ class ReplayPart {
 
   /// Lets the memory above forget what was committed after `now`, and predictions from later.
   void rewind(Time now);
-  /// The same of these snapshots alone.
+  /// Lets it forget these snapshots.
+  void take_back(std::span<const ltm::SharedSnapshot> snapshots);
+  /// The same of those that were committed after the replayed moment.
   void take_back_later(std::span<const ltm::SharedSnapshot> snapshots);
 
   /// Goes on behind what had arrived at `now`.

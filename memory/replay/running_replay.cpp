@@ -24,8 +24,7 @@ constexpr auto kBetweenStates = std::chrono::seconds(1);
 }  // namespace
 
 struct Replay::State {
-  explicit State(const ReplayOptions& options)
-      : clock(options.at.value_or(Time::min()), options.speed) {
+  explicit State(const ReplayOptions& options) : clock(Time::min(), options.speed) {
     clock.set_loop(options.loop);
   }
 
@@ -58,6 +57,15 @@ struct Replay::State {
     if (time >= *first) return {};
     return invalid_argument("replay: found {}, which lies before the first snapshot at {}",
                             to_string(time), to_string(*first));
+  }
+
+  /// What can be known of a command before it is obeyed.
+  [[nodiscard]] Status check(const ReplayCommand& command) const {
+    using Kind = ReplayCommand::Kind;
+    ENGRAM_RETURN_IF_ERROR(command.validate());
+    if (command.kind == Kind::kSeek) return check_moment(command.time);
+    if (command.kind == Kind::kLoop && command.loop) return check_moment(command.loop->first);
+    return {};
   }
 
   void jump(Time to) ENGRAM_REQUIRES(going) {
@@ -100,14 +108,43 @@ struct Replay::State {
     }
   }
 
+  /// Goes on playing if there is nothing to step to.
   Status step() ENGRAM_REQUIRES(going) {
+    const bool was_playing = clock.course().is_playing;
     clock.set_playing(false);
     const Time now = clock.now();
     ReplayPart* const part = next_after(now);
-    if (part == nullptr) return not_found("replay: nothing was recorded after {}", to_string(now));
+    if (part == nullptr) {
+      clock.set_playing(was_playing);
+      return not_found("replay: nothing was recorded after {}", to_string(now));
+    }
     const Time arrived = *part->next();
     clock.advance(arrived);
     next_after(arrived);
+    return {};
+  }
+
+  Status obey(const ReplayCommand& command) ENGRAM_REQUIRES(going) {
+    using Kind = ReplayCommand::Kind;
+    switch (command.kind) {
+      case Kind::kPlay:
+      case Kind::kPause:
+        clock.set_playing(command.kind == Kind::kPlay);
+        break;
+      case Kind::kStep:
+        return step();
+      case Kind::kSeek:
+        jump(command.time);
+        break;
+      case Kind::kSpeed:
+        clock.set_speed(command.speed);
+        break;
+      case Kind::kLoop:
+        clock.set_loop(command.loop);
+        // A loop that lies before is entered at its beginning.
+        if (command.loop && clock.now() > command.loop->last) jump(command.loop->first);
+        break;
+    }
     return {};
   }
 
@@ -116,7 +153,7 @@ struct Replay::State {
     for (const auto& part : parts) tell_scores(part->score(now), now);
   }
 
-  void tell_scores(const std::vector<PredictionScore>& scores, Time now) {
+  void tell_scores(const std::vector<PredictionScore>& scores, Time now) ENGRAM_REQUIRES(going) {
     std::map<ltm::MemoryId, ltm::Snapshot> updates;
     for (const PredictionScore& score : scores) {
       ++scored;
@@ -133,12 +170,13 @@ struct Replay::State {
     tell(std::move(commit));
   }
 
-  void tell(ltm::Commit commit) {
+  void tell(ltm::Commit commit) ENGRAM_REQUIRES(going) {
     const size_t part = teller;
     if (part < parts.size() && !commit.updates.empty()) parts[part]->commit(std::move(commit));
   }
 
-  void tell_state() {
+  /// With the lock, so that nobody tells of an earlier state behind a later one.
+  void tell_state() ENGRAM_REQUIRES(going) {
     const ReplayState now = state();
     tell({{{replay_clock_entity(),
             now.now,
@@ -197,6 +235,7 @@ struct Replay::State {
       const Duration wait = go_on();
       const bool is_due = clock.course().is_playing && steady_now() - told_at >= kBetweenStates;
       if (is_due || clock.course().jumps != jumps) {
+        const MutexLock lock(going);
         tell_state();
         told_at = steady_now();
       }
@@ -227,8 +266,10 @@ class Replay::Below final : public PastBelow {
                                          ltm::WorkingMemory& above) override {
     auto past = part_.attach(name, above);
     if (tells_) {
-      replay_->state_->teller = number_;
-      replay_->state_->tell_state();
+      State& state = *replay_->state_;
+      const MutexLock lock(state.going);
+      state.teller = number_;
+      state.tell_state();
     }
     return past;
   }
@@ -248,15 +289,29 @@ class Replay::Below final : public PastBelow {
                               replay_control_entity().to_string(), commit.updates.size());
     ENGRAM_ASSIGN_OR_RETURN(const ReplayCommand command,
                             ReplayCommand::from_data(commit.updates[0].instances[0].data));
-    return replay_->obey(command);
+    return replay_->state_->check(command);
   }
 
-  void admitted(const ltm::Admission& admission) override {
-    part_.take_back_later(admission.snapshots);
+  Status admitted(const ltm::Admission& admission) override {
+    const std::span<const ltm::SharedSnapshot> snapshots = admission.snapshots;
+    Status obeyed;
+    if (tells_ && !snapshots.empty() && snapshots[0]->entity == replay_control_entity())
+      obeyed = obey(*snapshots[0]);
+    if (obeyed.ok())
+      part_.take_back_later(snapshots);
+    else
+      part_.take_back(snapshots);
+    return obeyed;
   }
   void answered(const ltm::Answer& answer) override { part_.predictions().add(answer); }
 
  private:
+  Status obey(const ltm::HeldSnapshot& control) {
+    ENGRAM_ASSIGN_OR_RETURN(const ReplayCommand command,
+                            ReplayCommand::from_data(control.instances[0].data));
+    return replay_->obey(command);
+  }
+
   const std::shared_ptr<Replay> replay_;
   ReplayPart& part_;
   const size_t number_;
@@ -284,7 +339,10 @@ Result<std::shared_ptr<Replay>> Replay::open(const std::vector<std::filesystem::
   }
   if (!state->first)
     return invalid_argument("replay of '{}': found no snapshot, needs one", stores[0].string());
-  state->clock.advance(options.at.value_or(*state->first));
+  Time begin = options.at.value_or(*state->first);
+  // A loop that lies before is entered at its beginning, as one that is commanded.
+  if (options.loop && begin > options.loop->last) begin = options.loop->first;
+  state->clock.advance(begin);
   ENGRAM_RETURN_IF_ERROR(state->check_moment(state->clock.now()));
   for (const auto& part : state->parts) part->restart(state->clock.now());
   if (options.loop) ENGRAM_RETURN_IF_ERROR(state->check_moment(options.loop->first));
@@ -299,47 +357,25 @@ std::shared_ptr<PastBelow> Replay::below(size_t store, bool tells_of_replay) {
 }
 
 Status Replay::obey(const ReplayCommand& command) {
-  using Kind = ReplayCommand::Kind;
-  ENGRAM_RETURN_IF_ERROR(command.validate());
   State& state = *state_;
-  if (command.kind == Kind::kSeek) ENGRAM_RETURN_IF_ERROR(state.check_moment(command.time));
-  if (command.kind == Kind::kLoop && command.loop)
-    ENGRAM_RETURN_IF_ERROR(state.check_moment(command.loop->first));
+  ENGRAM_RETURN_IF_ERROR(state.check(command));
+  struct Turn {
+    explicit Turn(std::atomic<int>& number) : count(number) { ++count; }
+    ~Turn() {
+      --count;
+      count.notify_all();
+    }
+    std::atomic<int>& count;
+  };
+  Status obeyed;
   {
-    struct Turn {
-      explicit Turn(std::atomic<int>& number) : count(number) { ++count; }
-      ~Turn() {
-        --count;
-        count.notify_all();
-      }
-      std::atomic<int>& count;
-    };
     const Turn turn(state.commanding);
     const MutexLock lock(state.going);
-    switch (command.kind) {
-      case Kind::kPlay:
-      case Kind::kPause:
-        state.clock.set_playing(command.kind == Kind::kPlay);
-        break;
-      case Kind::kStep:
-        ENGRAM_RETURN_IF_ERROR(state.step());
-        break;
-      case Kind::kSeek:
-        state.jump(command.time);
-        break;
-      case Kind::kSpeed:
-        state.clock.set_speed(command.speed);
-        break;
-      case Kind::kLoop:
-        state.clock.set_loop(command.loop);
-        // A loop that lies before is entered at its beginning.
-        if (command.loop && state.clock.now() > command.loop->last) state.jump(command.loop->first);
-        break;
-    }
+    obeyed = state.obey(command);
+    state.tell_state();
   }
-  state.tell_state();
   state.notify();
-  return {};
+  return obeyed;
 }
 
 ReplayState Replay::state() const {

@@ -200,6 +200,53 @@ TEST(Replay, StepsToTheNextCommit) {
   EXPECT_THAT(std::string(behind.message()), HasSubstr("nothing was recorded after"));
 }
 
+/// A service over a replay.
+Result<std::unique_ptr<memory::MemoryService>> serve(memory::Replay& replay,
+                                                     memory::MemoryService::Options options = {}) {
+  options.memory.mode = ltm::StoreMode::kLatest;
+  options.below = replay.below(0);
+  return memory::MemoryService::open(options, nullptr);
+}
+
+TEST(Replay, GoesOnPlayingAfterAStepThatItRefuses) {
+  LivedMemory lived;
+  lived.live(1);
+  lived.end();
+  for (const bool is_paused : {false, true}) {
+    const auto replay =
+        memory::Replay::open({lived.path}, nullptr, {.at = lived_at(100), .is_paused = is_paused});
+    ASSERT_OK(replay);
+    const auto service = serve(**replay);
+    ASSERT_OK(service);
+    const auto stepped = (*service)->commit(commit_of({.kind = Kind::kStep}));
+    EXPECT_EQ(stepped.status().code(), StatusCode::kNotFound);
+    EXPECT_EQ((*replay)->state().is_playing, !is_paused);
+    const ltm::Query control = *ltm::Query::parse(replay_control_entity().to_string());
+    EXPECT_EQ((*service)->query(control).status().code(), StatusCode::kNotFound);
+  }
+}
+
+TEST(Replay, ObeysNoCommandWhoseCommitIsRefused) {
+  LivedMemory lived;
+  lived.live(1);
+  lived.end();
+  const auto replay =
+      memory::Replay::open({lived.path}, nullptr, {.at = lived_at(0.1), .is_paused = true});
+  ASSERT_OK(replay);
+  memory::MemoryService::Options options;
+  options.memory.max_waiting_bytes = 1;
+  options.store_interval = std::chrono::hours(1);
+  const auto service = serve(**replay, options);
+  ASSERT_OK(service);
+  const ltm::Commit plan{
+      {{*ltm::MemoryId::parse("Grasp/Plan/test/cup"), lived_at(0), {{idf::Dict{{"x", 1.0}}, {}}}}}};
+  ASSERT_OK((*service)->commit(plan, {}, memory::MemoryService::Durability::kJournal));
+  const auto seek = (*service)->commit(commit_of({.kind = Kind::kSeek, .time = lived_at(0.5)}), {});
+  EXPECT_EQ(seek.status().code(), StatusCode::kResourceExhausted);
+  EXPECT_EQ((*replay)->state().now, lived_at(0.1));
+  EXPECT_EQ((*replay)->state().jumps, 0u);
+}
+
 TEST(Replay, KeepsCommitsUntilItJumpsBeforeThem) {
   LivedMemory lived;
   lived.live(3);
@@ -251,6 +298,22 @@ TEST(Replay, RepeatsALoop) {
   EXPECT_GE(replay_state(**replay)->jumps, 2u);
   ASSERT_OK(control_replay(**replay, {.kind = Kind::kLoop}));
   EXPECT_FALSE(replay_state(**replay)->loop);
+}
+
+TEST(Replay, EntersALoopThatLiesBeforeWhereItBegins) {
+  LivedMemory lived;
+  lived.live(3);
+  lived.end();
+  const ReplayLoop loop{lived_at(1), lived_at(2)};
+  const auto begin = [&](double at) {
+    const auto replay =
+        Memory::replay(lived.path, {.at = lived_at(at), .is_paused = true, .loop = loop});
+    EXPECT_OK(replay);
+    return replay_state(**replay)->now;
+  };
+  EXPECT_EQ(begin(2.5), lived_at(1));
+  EXPECT_EQ(begin(2), lived_at(2));
+  EXPECT_EQ(begin(0.5), lived_at(0.5));
 }
 
 TEST(Replay, ScoresPredictionsWhenWhatTheyAreOfComes) {
