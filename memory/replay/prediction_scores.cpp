@@ -2,9 +2,11 @@
 #include "memory/replay/prediction_scores.h"
 
 #include <cmath>
+#include <map>
 
-#include "ltm/core/log.h"
+#include "ltm/idf/binary.h"
 #include "memory/replay/prediction_error.h"
+#include "memory/replay/replay_state.h"
 
 namespace engram::memory {
 
@@ -22,6 +24,14 @@ idf::Data error_data(const ltm::MeasuredError& error) {
 /// True unless both are known and the error is larger.
 bool keeps(double error, double bound) {
   return std::isnan(error) || std::isnan(bound) || error <= bound;
+}
+
+/// What a prediction takes while it waits. Unit: bytes.
+size_t bytes_of(const ltm::SnapshotResult& predicted) {
+  size_t bytes = sizeof(predicted);
+  for (const ltm::InstanceResult& instance : predicted.instances)
+    bytes += sizeof(instance) + idf::encoded_size(instance.data);
+  return bytes;
 }
 
 }  // namespace
@@ -48,59 +58,98 @@ idf::Data PredictionScore::to_data() const {
                    {"is_within_bound", has_bound() ? idf::Data(is_within_bound()) : idf::Data()}};
 }
 
+ltm::Commit commit_of(const std::vector<PredictionScore>& scores, Time now) {
+  std::map<ltm::MemoryId, ltm::Snapshot> updates;
+  for (const PredictionScore& score : scores) {
+    const ltm::MemoryId entity = replay_score_entity(score.entity);
+    const auto update = updates.try_emplace(entity, ltm::Snapshot{entity, now, {}}).first;
+    update->second.instances.push_back(
+        {score.to_data(), {.created = now, .sent = now, .provider = "engram"}});
+  }
+  ltm::Commit commit;
+  for (auto& [entity, update] : updates) commit.updates.push_back(std::move(update));
+  return commit;
+}
+
 void PredictionScores::add(const ltm::Answer& answer) {
   for (const ltm::RecalledEntity& entity : answer.entities)
     for (const ltm::RecalledSnapshot& snapshot : entity.snapshots) {
       if (snapshot.answer.source != ltm::Source::kPredicted) continue;
+      const size_t bytes = bytes_of(snapshot.answer);
       const MutexLock lock(mutex_);
-      waiting_.push_back({entity.id, snapshot.answer});
-      if (waiting_.size() <= kMaxWaiting) continue;
-      unscored_ += waiting_.front().predicted.instances.size();
-      waiting_.pop_front();
+      waiting_.push_back({entity.id, snapshot.answer, bytes});
+      waiting_bytes_ += bytes;
+      keep_bounds();
     }
+}
+
+void PredictionScores::keep_bounds() {
+  while (waiting_.size() > kMaxWaiting || waiting_bytes_ > kMaxWaitingBytes) {
+    unscored_ += waiting_.front().predicted.instances.size();
+    waiting_bytes_ -= waiting_.front().bytes;
+    waiting_.pop_front();
+  }
+}
+
+std::deque<PredictionScores::Waiting> PredictionScores::take_if(
+    const std::function<bool(const ltm::SnapshotResult&)>& is_taken) {
+  std::deque<Waiting> taken;
+  std::erase_if(waiting_, [&](Waiting& one) ENGRAM_REQUIRES(mutex_) {
+    if (!is_taken(one.predicted)) return false;
+    waiting_bytes_ -= one.bytes;
+    taken.push_back(std::move(one));
+    return true;
+  });
+  return taken;
 }
 
 void PredictionScores::rewind(Time now) {
   const MutexLock lock(mutex_);
-  std::erase_if(waiting_, [now](const Waiting& one) {
-    return one.predicted.time - one.predicted.horizon > now;
-  });
+  take_if([now](const auto& predicted) { return predicted.time - predicted.horizon > now; });
 }
 
 std::vector<PredictionScore> PredictionScores::compare(Time now, ltm::KnownPast& past) {
   std::deque<Waiting> due;
   {
     const MutexLock lock(mutex_);
-    std::erase_if(waiting_, [&](Waiting& one) {
-      if (one.predicted.time > now) return false;
-      due.push_back(std::move(one));
-      return true;
-    });
+    due = take_if([now](const auto& predicted) { return predicted.time <= now; });
   }
   std::vector<PredictionScore> scores;
   if (due.empty()) return scores;
   uint64_t given_up = 0;
+  bool is_renewed = false;
   std::erase_if(due, [&](const Waiting& one) {
-    const Outcome outcome = compare_one(one, now, past, scores);
-    if (outcome == Outcome::kGivenUp) given_up += one.predicted.instances.size();
-    return outcome != Outcome::kWaits;
+    Outcome outcome = compare_one(one, past, scores);
+    if (outcome == Outcome::kOutdated && !is_renewed) {
+      is_renewed = true;
+      if (past.renew().ok()) outcome = compare_one(one, past, scores);
+    }
+    if (outcome == Outcome::kCompared) return true;
+    const bool waits = outcome != Outcome::kGivenUp && now - one.predicted.time <= kMaxWait;
+    if (!waits) given_up += one.predicted.instances.size();
+    return !waits;
   });
   const MutexLock lock(mutex_);
   unscored_ += given_up;
+  for (const Waiting& one : due) waiting_bytes_ += one.bytes;
   waiting_.insert(waiting_.begin(), std::make_move_iterator(due.begin()),
                   std::make_move_iterator(due.end()));
+  keep_bounds();
   return scores;
 }
 
-PredictionScores::Outcome PredictionScores::compare_one(const Waiting& one, Time now,
-                                                        ltm::KnownPast& past,
+PredictionScores::Outcome PredictionScores::compare_one(const Waiting& one, ltm::KnownPast& past,
                                                         std::vector<PredictionScore>& scores) {
   const Time moment = one.predicted.time;
-  const auto nothing = now - moment > kMaxWait ? Outcome::kGivenUp : Outcome::kWaits;
+  const auto is_outdated = [](const auto& result) {
+    return result.status().code() == StatusCode::kUnavailable;
+  };
   const auto known = past.of(one.entity);
-  if (!known.ok() || !*known) return nothing;
+  if (is_outdated(known)) return Outcome::kOutdated;
+  if (!known.ok() || !*known) return Outcome::kWaits;
   const auto after = (*known)->at_or_after(moment);
-  if (!after.ok() || !*after) return nothing;
+  if (is_outdated(after)) return Outcome::kOutdated;
+  if (!after.ok() || !*after) return Outcome::kWaits;
   Time came = **after;
   if (const auto before = (*known)->at_or_before(moment);
       before.ok() && *before && moment - **before < came - moment)
@@ -109,6 +158,7 @@ PredictionScores::Outcome PredictionScores::compare_one(const Waiting& one, Time
   const Duration away = came < moment ? moment - came : came - moment;
   if (away * 2 > one.predicted.horizon) return Outcome::kGivenUp;
   const auto truth = (*known)->read(came, ltm::Prefer::kRecorded);
+  if (is_outdated(truth)) return Outcome::kOutdated;
   if (!truth.ok()) return Outcome::kGivenUp;
   size_t compared = 0;
   for (const ltm::InstanceResult& told : one.predicted.instances) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "ltm/core/mutex.h"
+#include "ltm/memory/commit.h"
 #include "ltm/recall/answer.h"
 #include "ltm/recall/known_past.h"
 
@@ -32,6 +33,10 @@ struct PredictionScore {
   [[nodiscard]] idf::Data to_data() const;
 };
 
+/// The commit that tells scores at `now`: an update for each entity, with an instance for each
+/// score.
+[[nodiscard]] ltm::Commit commit_of(const std::vector<PredictionScore>& scores, Time now);
+
 /// Keeps predictions until what they are of has come, and compares them then.
 ///
 /// A prediction is compared with the snapshot that is nearest to its moment, once one at or after
@@ -41,8 +46,10 @@ struct PredictionScore {
 /// Source: docs/replay.md, "Predictions are scored".
 class PredictionScores {
  public:
-  /// Max predictions that wait; beyond it the oldest are given up.
+  /// Max predictions that wait, and what they take, images decoded; beyond it the oldest are given
+  /// up.
   static constexpr size_t kMaxWaiting = 1024;
+  static constexpr size_t kMaxWaitingBytes = size_t{64} << 20;
   static constexpr Duration kMaxWait = std::chrono::minutes(1);
 
   /// Takes the predictions of an answer that was given out.
@@ -51,7 +58,8 @@ class PredictionScores {
   /// Drops predictions that start from snapshots after `now`: nobody has asked them yet.
   void rewind(Time now);
 
-  /// Compares those whose moment is at or before `now`. `past` shows what had come by then.
+  /// Compares those whose moment is at or before `now`. `past` shows what had come by then, and is
+  /// renewed if its store has changed so that it cannot be read.
   std::vector<PredictionScore> compare(Time now, ltm::KnownPast& past);
 
   [[nodiscard]] bool has_waiting() const;
@@ -63,14 +71,19 @@ class PredictionScores {
   struct Waiting {
     ltm::MemoryId entity;
     ltm::SnapshotResult predicted;
+    size_t bytes = 0;
   };
-  enum class Outcome { kWaits, kCompared, kGivenUp };
+  enum class Outcome { kWaits, kOutdated, kCompared, kGivenUp };
 
-  static Outcome compare_one(const Waiting& one, Time now, ltm::KnownPast& past,
+  static Outcome compare_one(const Waiting& one, ltm::KnownPast& past,
                              std::vector<PredictionScore>& scores);
+  void keep_bounds() ENGRAM_REQUIRES(mutex_);
+  std::deque<Waiting> take_if(const std::function<bool(const ltm::SnapshotResult&)>& is_taken)
+      ENGRAM_REQUIRES(mutex_);
 
   mutable Mutex mutex_;
   std::deque<Waiting> waiting_ ENGRAM_GUARDED_BY(mutex_);
+  size_t waiting_bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
   uint64_t unscored_ ENGRAM_GUARDED_BY(mutex_) = 0;
 };
 

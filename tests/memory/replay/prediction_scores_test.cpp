@@ -41,6 +41,40 @@ TEST(PredictionError, NeedsOneLayout) {
             StatusCode::kInvalidArgument);
 }
 
+/// A past that has to be renewed so often before it can be read.
+class ReplacedPast final : public ltm::KnownPast {
+ public:
+  ReplacedPast(ltm::KnownPast& past, int renewals) : past_(past), renewals_(renewals) {}
+
+  [[nodiscard]] std::string name() const override { return past_.name(); }
+  [[nodiscard]] std::vector<ltm::MemoryId> matching(const ltm::Query& query) override {
+    return past_.matching(query);
+  }
+  Result<std::unique_ptr<ltm::EntityPast>> of(const ltm::MemoryId& entity) override {
+    if (renewed < renewals_) return unavailable("the store was replaced");
+    return past_.of(entity);
+  }
+  [[nodiscard]] std::optional<idf::Type> type_of(const ltm::MemoryId& entity) const override {
+    return past_.type_of(entity);
+  }
+  Result<std::vector<ltm::Engine>> models(const ltm::MemoryId& entity) override {
+    return past_.models(entity);
+  }
+  void keep_decoded(bool keeps) override { past_.keep_decoded(keeps); }
+  Status renew() override {
+    ++renewed;
+    return {};
+  }
+  Status start_anew() override { return renew(); }
+  Status follow() override { return {}; }
+
+  int renewed = 0;
+
+ private:
+  ltm::KnownPast& past_;
+  const int renewals_;
+};
+
 /// A store of snapshots five a second, and predictions of x.
 class PredictionScoresTest : public ::testing::Test {
  protected:
@@ -53,7 +87,7 @@ class PredictionScoresTest : public ::testing::Test {
     past_ = *ltm::ReplayedPast::open(path_, nullptr, [this] { return now_; });
   }
 
-  void predict(Time last, Duration horizon, double x, double bound) {
+  void predict(Time last, Duration horizon, double x, double bound, size_t image_bytes = 0) {
     ltm::SnapshotResult predicted;
     predicted.time = last + horizon;
     predicted.source = ltm::Source::kPredicted;
@@ -61,6 +95,9 @@ class PredictionScoresTest : public ::testing::Test {
     predicted.horizon = horizon;
     idf::Data value = ltm::example_snapshot(ltm::example_entity(), 5).instances[0].data;
     value.get_if<idf::Dict>()->set("x", x);
+    if (image_bytes > 0)
+      value.get_if<idf::Dict>()->set(
+          "image", idf::NdArray::take({image_bytes}, std::vector<uint8_t>(image_bytes)));
     ltm::MeasuredError error, limit;
     error.number_mse = bound / 2;
     limit.number_mse = bound;
@@ -121,6 +158,40 @@ TEST_F(PredictionScoresTest, HoldABoundedNumber) {
     predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1);
   EXPECT_EQ(scores_.unscored(), 10u);
   EXPECT_EQ(at(example_time(6)).size(), PredictionScores::kMaxWaiting);
+}
+
+TEST_F(PredictionScoresTest, HoldABoundedNumberOfBytes) {
+  constexpr size_t kImage = PredictionScores::kMaxWaitingBytes / 4;
+  for (int i = 0; i < 10; ++i)
+    predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1, kImage);
+  EXPECT_EQ(scores_.unscored(), 7u);
+  // What waits leaves its room to others.
+  EXPECT_TRUE(at(example_time(4)).empty());
+  EXPECT_EQ(scores_.unscored(), 7u);
+  scores_.rewind(example_time(1));
+  for (int i = 0; i < 3; ++i)
+    predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1, kImage);
+  EXPECT_EQ(scores_.unscored(), 7u);
+  predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1, 5 * kImage);
+  EXPECT_EQ(scores_.unscored(), 11u);
+  EXPECT_FALSE(scores_.has_waiting());
+}
+
+TEST_F(PredictionScoresTest, ReadTheNewestStoreIfItWasReplaced) {
+  predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1);
+  now_ = example_time(6);
+  ASSERT_OK(past_->follow());
+  ReplacedPast replaced(*past_, 1);
+  EXPECT_EQ(scores_.compare(now_, replaced).size(), 1u);
+  EXPECT_EQ(replaced.renewed, 1);
+  // It waits as long as the store cannot be read.
+  predict(example_time(3), std::chrono::milliseconds(400), 1.25, 1);
+  ReplacedPast gone(*past_, 100);
+  EXPECT_TRUE(scores_.compare(now_, gone).empty());
+  EXPECT_TRUE(scores_.has_waiting());
+  EXPECT_EQ(gone.renewed, 1);
+  EXPECT_TRUE(scores_.compare(example_time(5) + std::chrono::minutes(2), gone).empty());
+  EXPECT_EQ(scores_.unscored(), 1u);
 }
 
 TEST_F(PredictionScoresTest, DropWhatNobodyHasAskedAfterAJumpBack) {
