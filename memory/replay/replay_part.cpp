@@ -108,16 +108,51 @@ void ReplayPart::restart(Time now) {
   order_.restart(now);
 }
 
-void ReplayPart::renew() {
-  const Status status = all_->renew();
-  if (!status.ok()) log::warning("replay of '{}': {}", store_.string(), status.message());
+Status ReplayPart::renew() {
   order_.restart(restarted_);
+  return all_->renew().with_context("replay of '" + store_.string() + "'");
 }
 
-bool ReplayPart::prepare(size_t max) {
+Result<bool> ReplayPart::prepare(size_t max) {
   const auto is_done = order_.prepare(max);
-  if (!is_done.ok()) renew();
-  return is_done.ok() && *is_done;
+  if (is_done.ok()) return is_done;
+  ENGRAM_RETURN_IF_ERROR(renew());
+  return false;
+}
+
+Result<ltm::SnapshotResult> ReplayPart::read(const ltm::MemoryId& id) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto past, all_->of(id.entity()));
+  if (past != nullptr) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto found, past->at_or_after(*id.time()));
+    if (found == id.time()) {
+      ENGRAM_ASSIGN_OR_RETURN(ltm::RecalledSnapshot read,
+                              past->read(*found, ltm::Prefer::kRecorded));
+      return std::move(read.answer);
+    }
+  }
+  return not_found("it was forgotten since the replay began");
+}
+
+std::vector<ltm::SharedSnapshot> ReplayPart::read_wanted(const std::vector<ltm::MemoryId>& ids,
+                                                         uint64_t& unreadable) {
+  std::vector<ltm::SharedSnapshot> told;
+  bool is_renewed = false;
+  for (const ltm::MemoryId& id : ids) {
+    if (!listener_.is_wanted(id.entity())) continue;
+    auto read = this->read(id);
+    // The store was sealed or consolidated meanwhile; what it has is in the newest generation.
+    if (read.status().code() == StatusCode::kUnavailable && !is_renewed) {
+      is_renewed = true;
+      if (const Status renewed = renew(); renewed.ok()) read = this->read(id);
+    }
+    if (read.ok()) {
+      told.push_back(ltm::hold_untyped(to_snapshot(id.entity(), *std::move(read))));
+      continue;
+    }
+    ++unreadable;
+    log::warning("replay: nobody is told of '{}': {}", id.to_string(), read.status().message());
+  }
+  return told;
 }
 
 ReplayPart::Passed ReplayPart::pass() {
@@ -126,7 +161,7 @@ ReplayPart::Passed ReplayPart::pass() {
   Passed passed;
   const auto ids = order_.take();
   if (!ids.ok()) {
-    renew();
+    order_.restart(restarted_);  // It goes on once the store is renewed by prepare().
     return passed;
   }
   restarted_ = *arrived;
@@ -134,34 +169,17 @@ ReplayPart::Passed ReplayPart::pass() {
   // Held until all are told, so that nobody is told after tell() or detach().
   const SharedLock lock(mutex_);
   if (!listener_.publish) return passed;
-  std::vector<ltm::SharedSnapshot> told;
-  for (const ltm::MemoryId& id : *ids) {
-    if (!listener_.is_wanted(id.entity())) continue;
-    const auto past = all_->of(id.entity());
-    auto read = past.ok() && *past ? (*past)->read(*id.time(), ltm::Prefer::kRecorded)
-                                   : Result<ltm::RecalledSnapshot>(past.status());
-    if (past.ok() && *past && read.ok()) {
-      told.push_back(ltm::hold_untyped(to_snapshot(id.entity(), std::move(read->answer))));
-      continue;
-    }
-    ++passed.unreadable;
-    log::warning("replay: nobody is told of '{}': {}", id.to_string(), read.status().message());
-  }
+  const std::vector<ltm::SharedSnapshot> told = read_wanted(*ids, passed.unreadable);
   if (!told.empty()) listener_.publish(told);
   return passed;
 }
 
-std::vector<PredictionScore> ReplayPart::score(Time now) {
-  if (!predictions_.has_waiting()) return {};
+Result<std::vector<PredictionScore>> ReplayPart::score(Time now) {
+  if (!predictions_.has_waiting()) return std::vector<PredictionScore>();
   if (!come_) {
-    auto opened = ltm::ReplayedPast::open(store_, loader_, now_, all_.get());
-    if (!opened.ok()) {
-      log::warning("replay: no prediction is scored: {}", opened.status().message());
-      return {};
-    }
-    come_ = *std::move(opened);
+    ENGRAM_ASSIGN_OR_RETURN(come_, ltm::ReplayedPast::open(store_, loader_, now_, all_.get()));
   }
-  if (const Status status = come_->follow(); !status.ok()) return {};
+  ENGRAM_RETURN_IF_ERROR(come_->follow());
   return predictions_.compare(now, *come_);
 }
 

@@ -45,8 +45,9 @@ class ReplayPart {
 
   /// Goes on behind what had arrived at `now`.
   void restart(Time now);
-  /// See ArrivalOrder.
-  bool prepare(size_t max);
+  /// See ArrivalOrder. False also if the store had to be renewed, so that it begins anew.
+  /// Errors: those of ltm::StoreReader::open, if the store cannot be renewed.
+  Result<bool> prepare(size_t max);
   [[nodiscard]] std::optional<Time> next() const { return order_.next(); }
 
   struct Passed {
@@ -57,7 +58,8 @@ class ReplayPart {
   Passed pass();
 
   /// Compares predictions with what had come at `now`.
-  std::vector<PredictionScore> score(Time now);
+  /// Errors: those of ltm::StorePast::open; the predictions wait on.
+  Result<std::vector<PredictionScore>> score(Time now);
 
   /// Commits to the memory above, and tells who wants to know.
   void commit(ltm::Commit commit);
@@ -66,7 +68,11 @@ class ReplayPart {
   ReplayPart(std::filesystem::path store, ltm::ModelLoader loader, Clock now,
              std::unique_ptr<ltm::ReplayedPast> all);
 
-  void renew();
+  Status renew();
+  /// Errors: kNotFound if it is not in the store any more.
+  Result<ltm::SnapshotResult> read(const ltm::MemoryId& id);
+  std::vector<ltm::SharedSnapshot> read_wanted(const std::vector<ltm::MemoryId>& ids,
+                                               uint64_t& unreadable) ENGRAM_REQUIRES_SHARED(mutex_);
 
   const std::filesystem::path store_;
   const ltm::ModelLoader loader_;

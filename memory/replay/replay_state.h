@@ -22,15 +22,16 @@ struct ReplayState {
   std::optional<ReplayLoop> loop{};
   Time first{};  ///< Of the first and the last snapshot that was recorded, by their own times.
   Time last{};
-  uint64_t jumps = 0;       ///< How often it was set to another moment, loops included.
-  uint64_t told = 0;        ///< Recorded snapshots that the clock passed.
-  uint64_t unreadable = 0;  ///< Of these, those that nobody was told of, because they are damaged.
+  uint64_t jumps = 0;  ///< How often it was set to another moment, loops included.
+  uint64_t told = 0;   ///< Recorded snapshots that the clock passed.
+  /// Of these, those that nobody was told of, because they are damaged or were forgotten meanwhile.
+  uint64_t unreadable = 0;
   /// Predictions that were given out and compared with what came, those of them that had a bound,
   /// and those that kept it. Unit: instances.
   uint64_t scored = 0;
   uint64_t bounded = 0;
   uint64_t within_bound = 0;
-  /// Predictions that nothing came for, or that were too many to wait for.
+  /// Predictions that nothing came for, or that were too many or too large to wait for.
   uint64_t unscored = 0;
 
   [[nodiscard]] idf::Data to_data() const;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <map>
 #include <thread>
 
 #include "ltm/core/log.h"
@@ -18,6 +17,7 @@ namespace {
 /// How much is done before others get their turn.
 constexpr size_t kEntitiesAtOnce = 1;
 constexpr int kArrivalsAtOnce = 64;
+constexpr int kMaxRenewals = 100;
 /// How often the clock is told of while it goes, and the longest that the thread sleeps.
 constexpr auto kBetweenStates = std::chrono::seconds(1);
 
@@ -42,6 +42,7 @@ struct Replay::State {
   bool has_changed ENGRAM_GUARDED_BY(waking) = false;
   std::atomic<size_t> teller{SIZE_MAX};  ///< The part that is committed what the replay says.
 
+  std::string failure ENGRAM_GUARDED_BY(going);
   std::atomic<uint64_t> told{0}, unreadable{0}, scored{0}, bounded{0}, within_bound{0};
   std::jthread thread;  ///< The last member, so it ends first.
 
@@ -79,8 +80,12 @@ struct Replay::State {
   }
 
   /// Whether all parts know where they go on.
-  bool prepare(size_t max) ENGRAM_REQUIRES(going) {
-    return std::ranges::all_of(parts, [max](const auto& part) { return part->prepare(max); });
+  Result<bool> prepare(size_t max) ENGRAM_REQUIRES(going) {
+    for (const auto& part : parts) {
+      ENGRAM_ASSIGN_OR_RETURN(const bool is_done, part->prepare(max));
+      if (!is_done) return false;
+    }
+    return true;
   }
 
   /// The part whose next snapshot arrived first; null behind the last. Needs prepared parts.
@@ -99,13 +104,18 @@ struct Replay::State {
   }
 
   /// Passes what had arrived at `now`, and is told of all parts' next snapshots.
-  ReplayPart* next_after(Time now) ENGRAM_REQUIRES(going) {
-    for (;;) {
-      if (!prepare(SIZE_MAX)) continue;  // A store was replaced meanwhile.
+  Result<ReplayPart*> next_after(Time now) ENGRAM_REQUIRES(going) {
+    for (int renewals = 0; renewals < kMaxRenewals;) {
+      ENGRAM_ASSIGN_OR_RETURN(const bool is_prepared, prepare(SIZE_MAX));
+      if (!is_prepared) {
+        ++renewals;  // A store was replaced meanwhile.
+        continue;
+      }
       ReplayPart* const part = next();
       if (part == nullptr || *part->next() > now) return part;
       pass(*part);
     }
+    return unavailable("replay: the stores changed {} times meanwhile; ask again", kMaxRenewals);
   }
 
   /// Goes on playing if there is nothing to step to.
@@ -113,15 +123,15 @@ struct Replay::State {
     const bool was_playing = clock.course().is_playing;
     clock.set_playing(false);
     const Time now = clock.now();
-    ReplayPart* const part = next_after(now);
-    if (part == nullptr) {
+    const auto part = next_after(now);
+    if (!part.ok() || *part == nullptr) {
       clock.set_playing(was_playing);
+      ENGRAM_RETURN_IF_ERROR(part.status());
       return not_found("replay: nothing was recorded after {}", to_string(now));
     }
-    const Time arrived = *part->next();
+    const Time arrived = *(*part)->next();
     clock.advance(arrived);
-    next_after(arrived);
-    return {};
+    return next_after(arrived).status();
   }
 
   Status obey(const ReplayCommand& command) ENGRAM_REQUIRES(going) {
@@ -148,26 +158,22 @@ struct Replay::State {
     return {};
   }
 
-  void score() ENGRAM_REQUIRES(going) {
+  Status score() ENGRAM_REQUIRES(going) {
     const Time now = clock.now();
-    for (const auto& part : parts) tell_scores(part->score(now), now);
+    for (const auto& part : parts) {
+      ENGRAM_ASSIGN_OR_RETURN(const auto scores, part->score(now));
+      tell_scores(scores, now);
+    }
+    return {};
   }
 
   void tell_scores(const std::vector<PredictionScore>& scores, Time now) ENGRAM_REQUIRES(going) {
-    std::map<ltm::MemoryId, ltm::Snapshot> updates;
     for (const PredictionScore& score : scores) {
       ++scored;
       bounded += score.has_bound() ? 1 : 0;
       within_bound += score.has_bound() && score.is_within_bound() ? 1 : 0;
-      const ltm::MemoryId entity = replay_score_entity(score.entity);
-      ltm::Snapshot& update =
-          updates.try_emplace(entity, ltm::Snapshot{entity, now, {}}).first->second;
-      update.instances.push_back(
-          {score.to_data(), {.created = now, .sent = now, .provider = "engram"}});
     }
-    ltm::Commit commit;
-    for (auto& [entity, update] : updates) commit.updates.push_back(std::move(update));
-    tell(std::move(commit));
+    tell(commit_of(scores, now));
   }
 
   void tell(ltm::Commit commit) ENGRAM_REQUIRES(going) {
@@ -181,6 +187,13 @@ struct Replay::State {
     tell({{{replay_clock_entity(),
             now.now,
             {{now.to_data(), {.created = now.now, .sent = now.now, .provider = "engram"}}}}}});
+  }
+
+  /// Logs an error once, however often it comes again.
+  void note(const Status& status) ENGRAM_REQUIRES(going) {
+    if (failure == status.message()) return;
+    failure = status.message();
+    if (!status.ok()) log::warning("{}", status.to_string());
   }
 
   [[nodiscard]] ReplayState state() const {
@@ -206,18 +219,19 @@ struct Replay::State {
   }
 
   /// Tells what the clock has passed. Returns how long nothing is to be done.
-  Duration go_on() ENGRAM_EXCLUDES(going) {
-    const MutexLock lock(going);
+  /// Errors: if a store cannot be read any more.
+  Result<Duration> tell_passed() ENGRAM_REQUIRES(going) {
     const ReplayClock::Course course = clock.course();
-    if (!prepare(kEntitiesAtOnce)) return Duration(0);
-    for (int i = 0; i < kArrivalsAtOnce; ++i) {
+    ENGRAM_ASSIGN_OR_RETURN(bool is_prepared, prepare(kEntitiesAtOnce));
+    for (int i = 0; is_prepared && i < kArrivalsAtOnce; ++i) {
       ReplayPart* const part = next();
       if (part == nullptr || *part->next() > course.now) break;
       pass(*part);
-      // The store was replaced meanwhile.
-      if (!prepare(kEntitiesAtOnce)) return Duration(0);
+      ENGRAM_ASSIGN_OR_RETURN(is_prepared, prepare(kEntitiesAtOnce));
     }
-    score();
+    // Not all entities are looked up, or the store was replaced meanwhile.
+    if (!is_prepared) return Duration(0);
+    ENGRAM_RETURN_IF_ERROR(score());
     ReplayPart* const part = next();
     Duration wait = kBetweenStates;
     if (part != nullptr) wait = std::min(wait, clock.until(*part->next()));
@@ -225,6 +239,13 @@ struct Replay::State {
     if (course.now < course.loop->last) return std::min(wait, clock.until(course.loop->last));
     if (course.now == course.loop->last) jump(course.loop->first);
     return course.now == course.loop->last ? Duration(0) : wait;
+  }
+
+  Duration go_on() ENGRAM_EXCLUDES(going) {
+    const MutexLock lock(going);
+    const auto wait = tell_passed();
+    note(wait.status());
+    return wait.ok() ? *wait : kBetweenStates;
   }
 
   void run(const std::stop_token& stop) {

@@ -32,7 +32,7 @@ class ReplayState:
     last: int
     jumps: int  #: How often it was set to another moment, loops included.
     told: int  #: Recorded snapshots that its clock passed.
-    unreadable: int  #: Of these, those that are damaged, and nobody was told of.
+    unreadable: int  #: Of these, those that nobody was told of: damaged, or forgotten meanwhile.
     scored: int  #: Predictions that were compared with what came,
     bounded: int  #: those of them that had a bound,
     within_bound: int  #: and those that kept it.
