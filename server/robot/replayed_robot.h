@@ -12,9 +12,10 @@ namespace engram::server {
 /// servers, each with what its store held at the replayed moment in place of the store. Nothing is
 /// recorded, no prior knowledge is committed, and the state of this machine is not noted: what was
 /// noted of the robot's is replayed. The server of the memory SystemState tells of the replay and
-/// takes commands. A name system elsewhere is left out: it would send the robot's own programs to
-/// the replay.
-/// Errors: those of memory::Replay::open; kInvalidArgument if no server has a store.
+/// takes commands; if it has no store the first server that has one gets that memory. A name system
+/// elsewhere is left out: it would send the robot's own programs to the replay.
+/// Errors: those of memory::Replay::open; kInvalidArgument if no server has a store, or if one
+/// without a store has SystemState alone.
 /// Source: docs/replay.md.
 Result<std::shared_ptr<memory::Replay>> replay_robot(RobotConfig& config, ltm::ModelLoader loader,
                                                      const ReplayOptions& options);

@@ -130,6 +130,35 @@ TEST_F(ReplayedRobot, TakesCommitsAndWritesNothing) {
   EXPECT_EQ((*store)->query("Robot/a/b/plan @ latest").status().code(), StatusCode::kNotFound);
 }
 
+TEST_F(ReplayedRobot, HasOneServerOfSystemState) {
+  const auto owners = [this](const std::string& others) -> std::vector<std::string> {
+    auto config = parse_robot_config(others, "robot.yaml", folder_.path());
+    EXPECT_OK(config);
+    const auto replay = replay_robot(*config, nullptr, {});
+    if (!replay.ok()) return {std::string(replay.status().message())};
+    std::vector<std::string> owners;
+    for (const ServerConfig& server : config->servers) {
+      const auto& service = server.options.service;
+      if (std::ranges::count(service.memories, "SystemState") > 0) owners.push_back(service.name);
+    }
+    return owners;
+  };
+  const auto robot = [this](const std::string& memories, const std::string& rest) {
+    return "servers:\n  - name: state\n    listen: " + at("s") + "\n    memories: [" + memories +
+           "]\n" + rest + "  - name: robot\n    listen: " + at("r") +
+           "\n    memories: [Robot]\n    store: Robot.engram\n";
+  };
+  const std::string stored = "    store: Vision.engram\n";
+  EXPECT_EQ(owners(robot("SystemState, Plans", stored)), std::vector<std::string>{"state"});
+  EXPECT_EQ(owners(robot("SystemState, Plans", "")), std::vector<std::string>{"robot"});
+  EXPECT_EQ(owners("system_state: false\n" + robot("Vision, SystemState", stored)),
+            std::vector<std::string>{"state"});
+  EXPECT_EQ(owners("system_state: false\n" + robot("Plans, SystemState", "")),
+            std::vector<std::string>{"robot"});
+  EXPECT_THAT(owners(robot("SystemState", "")).at(0),
+              HasSubstr("server 'state' has the memory SystemState alone and no store"));
+}
+
 TEST_F(ReplayedRobot, NeedsAStore) {
   start("servers: [{name: robot, listen: " + at("r") + "}]", {});
   EXPECT_EQ(replay_.status().code(), StatusCode::kInvalidArgument);
