@@ -34,6 +34,10 @@ class MemoryService {
     std::optional<LongTerm::Options> store;
     /// In place of a store: a past that nobody adds to. Its clock is that of the service.
     std::shared_ptr<PastBelow> below{};
+    /// What LongTerm::Options says of a store, for `below`: rules, of which those that redact apply
+    /// to commits, and the bound of one answer.
+    std::vector<ltm::EntityRule> redacting{};
+    size_t max_answer_bytes = LongTerm::Options().max_answer_bytes;
     /// How often waiting snapshots are handed over. Durable commits do not wait for it.
     Duration store_interval = std::chrono::milliseconds(200);
     /// Max number of entities that the memory knows, those of the store included: each costs RAM as

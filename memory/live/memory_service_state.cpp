@@ -171,6 +171,8 @@ Status MemoryService::State::open_past(ltm::ModelLoader loader) {
   room.emplace(options.name, options.max_entities, *memory, *recorded);
   recalling_options.max_horizon = options.max_horizon;
   if (options.below) {
+    ENGRAM_ASSIGN_OR_RETURN(redactor, ltm::make_redactor(options.redacting));
+    recalling_options.max_answer_bytes = options.max_answer_bytes;
     const ltm::SegmentTypes types = options.below->types();
     for (const auto& [segment, type] : types.all())
       ENGRAM_RETURN_IF_ERROR(memory->declare(segment, type));

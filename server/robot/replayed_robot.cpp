@@ -60,6 +60,8 @@ Result<std::shared_ptr<memory::Replay>> replay_robot(RobotConfig& config, ltm::M
     service.memory.mode = ltm::StoreMode::kLatest;
     if (!service.store) continue;
     service.below = replay->below(store++, i == teller);
+    service.redacting = std::move(service.store->recording.rules);
+    service.max_answer_bytes = service.store->max_answer_bytes;
     service.store.reset();
   }
   config.system_state.reset();

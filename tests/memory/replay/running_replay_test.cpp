@@ -7,6 +7,7 @@
 #include <future>
 
 #include "memory/replay_control.h"
+#include "tests/ltm/redaction/marker_program.h"
 #include "tests/memory/replay/lived_memory.h"
 
 namespace engram {
@@ -224,6 +225,32 @@ TEST(Replay, GoesOnPlayingAfterAStepThatItRefuses) {
     const ltm::Query control = *ltm::Query::parse(replay_control_entity().to_string());
     EXPECT_EQ((*service)->query(control).status().code(), StatusCode::kNotFound);
   }
+}
+
+/// As a store does.
+TEST(Replay, RedactsCommitsAndBoundsAnswers) {
+  LivedMemory lived;
+  lived.live(1);
+  lived.end();
+  const auto replay =
+      memory::Replay::open({lived.path}, nullptr, {.at = lived_at(0.9), .is_paused = true});
+  ASSERT_OK(replay);
+  ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
+  rule.redact = ltm::testing::marker_redaction(lived.folder.path());
+  memory::MemoryService::Options options;
+  options.redacting = {rule};
+  options.max_answer_bytes = 4'000;
+  const auto service = serve(**replay, options);
+  ASSERT_OK(service);
+  const idf::Data value = idf::Dict{{"image", ltm::testing::image_with_secret(64, 48, 20, 5)}};
+  const auto admission = (*service)->commit(
+      {{{*ltm::MemoryId::parse("Vision/RGB/head/cam"), lived_at(0.9), {{value, {}}}}}});
+  ASSERT_OK(admission);
+  const idf::Data& told = admission->snapshots.at(0)->instances.at(0).data;
+  EXPECT_FALSE(ltm::testing::has_secret(told.at("image")->get<idf::NdArray>()));
+  EXPECT_OK((*service)->query(*ltm::Query::parse("Robot @ latest")));
+  EXPECT_EQ((*service)->query(*ltm::Query::parse("Robot @ all")).status().code(),
+            StatusCode::kResourceExhausted);
 }
 
 TEST(Replay, ObeysNoCommandWhoseCommitIsRefused) {

@@ -159,6 +159,20 @@ TEST_F(ReplayedRobot, HasOneServerOfSystemState) {
               HasSubstr("server 'state' has the memory SystemState alone and no store"));
 }
 
+TEST_F(ReplayedRobot, KeepsTheBoundsAndTheRedactionOfItsStores) {
+  auto config = parse_robot_config(yaml(), "robot.yaml", folder_.path());
+  ASSERT_OK(config);
+  memory::LongTerm::Options& store = *config->servers[1].options.service.store;
+  store.max_answer_bytes = 12'345;
+  store.recording.rules.push_back(
+      {"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}});
+  ASSERT_OK(replay_robot(*config, nullptr, {}));
+  const memory::MemoryService::Options& service = config->servers[1].options.service;
+  EXPECT_EQ(service.max_answer_bytes, 12'345u);
+  ASSERT_EQ(service.redacting.size(), 1u);
+  EXPECT_EQ(service.redacting[0].name, "cameras");
+}
+
 TEST_F(ReplayedRobot, NeedsAStore) {
   start("servers: [{name: robot, listen: " + at("r") + "}]", {});
   EXPECT_EQ(replay_.status().code(), StatusCode::kInvalidArgument);
