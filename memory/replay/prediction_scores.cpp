@@ -5,8 +5,8 @@
 #include <map>
 
 #include "ltm/idf/binary.h"
+#include "ltm/memory/score_id.h"
 #include "memory/replay/prediction_error.h"
-#include "memory/replay/replay_state.h"
 
 namespace engram::memory {
 
@@ -61,7 +61,7 @@ idf::Data PredictionScore::to_data() const {
 ltm::Commit commit_of(const std::vector<PredictionScore>& scores, Time now) {
   std::map<ltm::MemoryId, ltm::Snapshot> updates;
   for (const PredictionScore& score : scores) {
-    const ltm::MemoryId entity = replay_score_entity(score.entity);
+    const ltm::MemoryId entity = ltm::score_id(score.entity);
     const auto update = updates.try_emplace(entity, ltm::Snapshot{entity, now, {}}).first;
     update->second.instances.push_back(
         {score.to_data(), {.created = now, .sent = now, .provider = "engram"}});

@@ -86,9 +86,4 @@ const ltm::MemoryId& replay_clock_entity() {
   return id;
 }
 
-ltm::MemoryId replay_score_entity(const ltm::MemoryId& predicted) {
-  return *ltm::MemoryId::from_names(
-      {"SystemState", "Replay", "scores", predicted.entity().to_string()});
-}
-
 }  // namespace engram

@@ -46,7 +46,4 @@ struct ReplayState {
 /// SystemState/Replay/engram/clock.
 [[nodiscard]] const ltm::MemoryId& replay_clock_entity();
 
-/// SystemState/Replay/scores/<the ID of an entity>: how good the predictions of it were.
-[[nodiscard]] ltm::MemoryId replay_score_entity(const ltm::MemoryId& predicted);
-
 }  // namespace engram

@@ -5,6 +5,8 @@
 #include <array>
 #include <string>
 
+#include "ltm/memory/score_id.h"
+
 namespace engram::server {
 
 using ltm::MemoryId;
@@ -210,6 +212,9 @@ bool Grants::redact() const {
 }
 
 ltm::Sight Grants::sight_of(const MemoryId& entity, Time now) const {
+  // A score tells of an entity at times of its past and future.
+  if (const auto scored = ltm::scored_entity(entity); scored && !sight_of(*scored, now).is_all())
+    return {};
   ltm::Sight sight{{}, {}, give(Right::kModels, entity)};
   for (const Grant& grant : grants_) {
     if (!grant.gives(Right::kRead, entity)) continue;

@@ -56,6 +56,8 @@ class Grants {
   /// Whether any of them gives images redacted.
   [[nodiscard]] bool redact() const;
 
+  /// What may be seen of an entity. Scores of predictions (ltm::score_id) are there for those alone
+  /// who may see all of the predicted entity.
   [[nodiscard]] ltm::Sight sight_of(const ltm::MemoryId& entity, Time now) const;
 
  private:

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ltm/memory/score_id.h"
 #include "memory/replay/replay_state.h"
 #include "tests/ltm/expect_status.h"
 
@@ -61,7 +62,7 @@ TEST(ReplayState, IsReadAsItWasWritten) {
 
 TEST(ReplayState, NamesTheScoresOfAnEntityByItsId) {
   const ltm::MemoryId cup = *ltm::MemoryId::parse("Objects/Things/a\\/b/cup");
-  EXPECT_EQ(replay_score_entity(cup).names().back(), "Objects/Things/a\\/b/cup");
+  EXPECT_EQ(ltm::score_id(cup).names().back(), "Objects/Things/a\\/b/cup");
 }
 
 }  // namespace

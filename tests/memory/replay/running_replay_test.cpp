@@ -6,6 +6,7 @@
 
 #include <future>
 
+#include "ltm/memory/score_id.h"
 #include "memory/replay_control.h"
 #include "tests/ltm/redaction/marker_program.h"
 #include "tests/memory/replay/lived_memory.h"
@@ -354,7 +355,7 @@ TEST(Replay, ScoresPredictionsWhenWhatTheyAreOfComes) {
   ASSERT_OK(control_replay(*replay, {.kind = Kind::kSeek, .time = lived_at(4.1)}));
   ASSERT_OK(control_replay(*replay, {.kind = Kind::kSpeed, .speed = 10}));
   ASSERT_OK(control_replay(*replay, {.kind = Kind::kPlay}));
-  const std::string scores = replay_score_entity(joint).to_string();
+  const std::string scores = ltm::score_id(joint).to_string();
   Result<ltm::QueryResult> answer = not_found("not asked");
   for (int tries = 0; tries < 1000 && !answer.ok(); ++tries) {
     std::this_thread::sleep_for(milliseconds(5));

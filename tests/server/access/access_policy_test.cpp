@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "ltm/core/file.h"
+#include "ltm/memory/score_id.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/server/access/secret_file.h"
 
@@ -187,6 +188,30 @@ TEST(AccessPolicy, GivesImagesRedactedWhereNoOtherGrantGivesThemAsTheyAre) {
         "needs a grant of its own");
   refuses("redact: {detector: ghosts}\ntokens:\n" + entry("v", "v", rules("read", "all")),
           "ghosts");
+}
+
+TEST(AccessPolicy, ShowsScoresOfPredictionsToWhoSeesTheirEntity) {
+  const auto policy =
+      parse("tokens:\n" + entry("all", "a", rules("read", "[SystemState, Robot]")) +
+            entry("some", "s",
+                  grants("{ids: [SystemState, Vision], may: [read, models]}, {ids: [Robot/Arm], "
+                         "may: [read, models], until: '1970-01-01T00:00:10Z'}, {ids: [Robot/Leg], "
+                         "may: [read]}")));
+  ASSERT_OK(policy);
+  const auto sees = [&](const char* token, const ltm::MemoryId& entity) {
+    return !policy->authenticate(token)->view()->of(entity).times.empty();
+  };
+  for (const auto& [entity, some] : std::vector<std::pair<const char*, bool>>{
+           {"Vision/RGB/head/cam", true}, {"Robot/Arm/l/imu", false}, {"Robot/Leg/l/imu", false}}) {
+    const ltm::MemoryId score = ltm::score_id(id(entity));
+    EXPECT_EQ(ltm::scored_entity(score), id(entity));
+    EXPECT_EQ(sees("s", score), some) << entity;
+    EXPECT_EQ(sees("a", score), !some) << entity;
+  }
+  // Scores of scores are no way around it.
+  EXPECT_FALSE(sees("s", ltm::score_id(ltm::score_id(id("Robot/Leg/l/imu")))));
+  EXPECT_TRUE(sees("s", id("SystemState/Replay/engram/clock")));
+  EXPECT_EQ(ltm::scored_entity(id("SystemState/Replay/engram/clock")), std::nullopt);
 }
 
 TEST(AccessPolicy, GivesTheRightToEraseToAdminsAndByGrantsOnly) {
