@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <future>
+#include <map>
+#include <set>
 
 #include "ltm/memory/score_id.h"
 #include "memory/replay_control.h"
@@ -103,6 +105,23 @@ TEST(Replay, AnswersAsTheRobotDidAtThousandMoments) {
   EXPECT_LT(without, 200u);
 }
 
+/// The x that an answer tells; checks that it predicts so far from `at`.
+std::vector<double> predicted_of(const std::string& answer, Time at) {
+  const auto data = idf::decode(Buffer::copy(as_bytes(answer)));
+  EXPECT_OK(data) << answer;
+  const auto result = ltm::QueryResult::from_data(*data);
+  EXPECT_OK(result);
+  std::vector<double> predicted;
+  for (const ltm::SnapshotResult& one : result->entities().at(0)->snapshots) {
+    EXPECT_EQ(one.source, ltm::Source::kPredicted);
+    // The newest was measured 60 ms before at most.
+    EXPECT_NEAR(to_seconds(one.time - at), predicted.empty() ? 0.2 : 1.0, 0.061);
+    EXPECT_FALSE(one.predictor.empty());
+    predicted.push_back(*one.instances.at(0).data.at("x")->as_number());
+  }
+  return predicted;
+}
+
 TEST(Replay, PredictsAsTheRobotDidAlthoughTheFutureIsKnown) {
   LivedMemory lived;
   const std::string query = lived_entity(1).to_string() + " @ +200ms, +1s";
@@ -112,10 +131,29 @@ TEST(Replay, PredictsAsTheRobotDidAlthoughTheFutureIsKnown) {
     if (++count % 40 == 0) asked.emplace_back(at, lived.ask(query));
   });
   lived.end();
+  ASSERT_GE(asked.size(), 15u);
   const auto replay = paused(lived.path, lived_at(0.1));
+  std::map<Time, std::vector<double>> predicted_at;
+  std::set<std::vector<double>> different;
   for (const auto& [at, answer] : asked) {
     ASSERT_OK(control_replay(*replay, {.kind = Kind::kSeek, .time = at}));
-    ASSERT_EQ(told(replay->query(query)), answer) << to_string(at);
+    const auto again = told(replay->query(query));
+    ASSERT_EQ(again, answer) << to_string(at);
+    const std::vector<double> predicted = predicted_of(again, at);
+    ASSERT_EQ(predicted.size(), 2u);
+    different.insert(predicted);
+    predicted_at[at] = predicted;
+  }
+  EXPECT_GE(different.size(), asked.size() - 1);
+  // No engine hits what came later to the last digit.
+  ASSERT_OK(control_replay(*replay, {.kind = Kind::kSeek, .time = lived_at(8)}));
+  const auto all = replay->query(lived_entity(1).to_string() + " @ all");
+  ASSERT_OK(all);
+  const auto& came = all->entities().at(0)->snapshots;
+  for (const auto& [at, predicted] : predicted_at) {
+    EXPECT_GT(came.back().time, at);
+    for (const ltm::SnapshotResult& one : came)
+      if (one.time > at) EXPECT_NE(*one.instances.at(0).data.at("x")->as_number(), predicted[1]);
   }
 }
 
