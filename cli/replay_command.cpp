@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <unistd.h>
+
 #include "cli/interrupt.h"
 #include "cli/remote.h"
+#include "cli/replay_keys.h"
 #include "cli/served_text.h"
 #include "cli/server_commands.h"
 #include "ltm/core/log.h"
@@ -22,6 +25,9 @@ is told what came, in the recorded order, and '+200ms' predicts although the fut
 programs commit is there until the replay ends; nothing is written to the store. The entity
 SystemState/Replay/engram/clock says that this is a replay. With --config the servers of a
 robot.yaml, on one clock.
+
+Keys in its terminal: space pauses and goes on, the arrows seek 5 s back and forth, + and - double and
+halve the speed, q ends it.
 
 With --server a replay that runs is told what to do:
   play, pause, status
@@ -78,12 +84,14 @@ Result<server::RobotConfig> config_of(const ReplayArguments& arguments) {
   return server::parse_robot_config(text, "arguments", "");
 }
 
-std::string state_text(const ReplayState& state) {
-  return fmt::format("{}, {} at speed {}{}", to_string(state.now),
-                     state.is_playing ? "plays" : "pauses", state.speed,
-                     state.loop ? fmt::format(", repeats {}..{}", to_string(state.loop->first),
-                                              to_string(state.loop->last))
-                                : "");
+/// Until a key or a signal ends it.
+void wait_for_keys(memory::Replay& replay) {
+  log::info(
+      "keys: space pauses and goes on, the arrows seek 5 s back and forth, + and - change the "
+      "speed, q ends");
+  if (!control_by_keys(STDIN_FILENO, replay, interrupt_token(),
+                       [](const std::string& done) { log::info("{}", done); }))
+    wait_for_the_end();
 }
 
 ExitCode serve_replay(const ReplayArguments& arguments) {
@@ -101,7 +109,10 @@ ExitCode serve_replay(const ReplayArguments& arguments) {
   tell_served(**robot, arguments.is_json);
   const ReplayState state = (*replay)->state();
   log::info("replays {}: {}", fmt::join(state.stores, ", "), state_text(state));
-  wait_for_the_end();
+  if (has_keys(STDIN_FILENO))
+    wait_for_keys(**replay);
+  else
+    wait_for_the_end();
   (*robot)->stop();
   return ExitCode::kDone;
 }

@@ -3,13 +3,6 @@
 
 namespace engram {
 
-namespace {
-
-constexpr double kMinReplaySpeed = 0.001;
-constexpr double kMaxReplaySpeed = 1000;
-
-}  // namespace
-
 Status check_replay_speed(double speed) {
   if (speed >= kMinReplaySpeed && speed <= kMaxReplaySpeed) return {};
   return invalid_argument("replay: found a speed of {}, needs one from {} to {}", speed,

@@ -18,6 +18,10 @@ struct ReplayLoop {
   friend bool operator==(const ReplayLoop&, const ReplayLoop&) = default;
 };
 
+/// The bounds of its speed. Unit: replayed seconds per second.
+inline constexpr double kMinReplaySpeed = 0.001;
+inline constexpr double kMaxReplaySpeed = 1000;
+
 /// How a replay begins.
 struct ReplayOptions {
   /// The moment to begin with. Empty: that of the first snapshot.
