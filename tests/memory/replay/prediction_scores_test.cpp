@@ -96,8 +96,9 @@ class PredictionScoresTest : public ::testing::Test {
     idf::Data value = ltm::example_snapshot(ltm::example_entity(), 5).instances[0].data;
     value.get_if<idf::Dict>()->set("x", x);
     if (image_bytes > 0)
-      value.get_if<idf::Dict>()->set(
-          "image", idf::NdArray::take({image_bytes}, std::vector<uint8_t>(image_bytes)));
+      value.get_if<idf::Dict>()->set("image",
+                                     idf::NdArray::take({static_cast<int64_t>(image_bytes)},
+                                                        std::vector<uint8_t>(image_bytes)));
     ltm::MeasuredError error, limit;
     error.number_mse = bound / 2;
     limit.number_mse = bound;

@@ -108,7 +108,7 @@ TEST(Replay, AnswersAsTheRobotDidAtThousandMoments) {
 /// The x that an answer tells; checks that it predicts so far from `at`.
 std::vector<double> predicted_of(const std::string& answer, Time at) {
   const auto data = idf::decode(Buffer::copy(as_bytes(answer)));
-  EXPECT_OK(data) << answer;
+  EXPECT_OK(data);
   const auto result = ltm::QueryResult::from_data(*data);
   EXPECT_OK(result);
   std::vector<double> predicted;
@@ -150,11 +150,15 @@ TEST(Replay, PredictsAsTheRobotDidAlthoughTheFutureIsKnown) {
   const auto all = replay->query(lived_entity(1).to_string() + " @ all");
   ASSERT_OK(all);
   const auto& came = all->entities().at(0)->snapshots;
+  size_t compared = 0;
   for (const auto& [at, predicted] : predicted_at) {
-    EXPECT_GT(came.back().time, at);
-    for (const ltm::SnapshotResult& one : came)
-      if (one.time > at) EXPECT_NE(*one.instances.at(0).data.at("x")->as_number(), predicted[1]);
+    for (const ltm::SnapshotResult& one : came) {
+      if (one.time <= at) continue;
+      ++compared;
+      EXPECT_NE(*one.instances.at(0).data.at("x")->as_number(), predicted[1]);
+    }
   }
+  EXPECT_GT(compared, 10 * asked.size());
 }
 
 TEST(Replay, TellsSubscribersInTheRecordedOrderAtAnySpeed) {
@@ -304,9 +308,7 @@ TEST(Replay, ObeysNoCommandWhoseCommitIsRefused) {
   options.store_interval = std::chrono::hours(1);
   const auto service = serve(**replay, options);
   ASSERT_OK(service);
-  const ltm::Commit plan{
-      {{*ltm::MemoryId::parse("Grasp/Plan/test/cup"), lived_at(0), {{idf::Dict{{"x", 1.0}}, {}}}}}};
-  ASSERT_OK((*service)->commit(plan, {}, memory::MemoryService::Durability::kJournal));
+  // What the replay itself tells of its clock waits already.
   const auto seek = (*service)->commit(commit_of({.kind = Kind::kSeek, .time = lived_at(0.5)}), {});
   EXPECT_EQ(seek.status().code(), StatusCode::kResourceExhausted);
   EXPECT_EQ((*replay)->state().now, lived_at(0.1));

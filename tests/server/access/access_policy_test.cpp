@@ -195,7 +195,7 @@ TEST(AccessPolicy, ShowsScoresOfPredictionsToWhoSeesTheirEntity) {
       parse("tokens:\n" + entry("all", "a", rules("read", "[SystemState, Robot]")) +
             entry("some", "s",
                   grants("{ids: [SystemState, Vision], may: [read, models]}, {ids: [Robot/Arm], "
-                         "may: [read, models], until: '1970-01-01T00:00:10Z'}, {ids: [Robot/Leg], "
+                         "may: [read], until: '1970-01-01T00:00:10Z'}, {ids: [Robot/Leg], "
                          "may: [read]}")));
   ASSERT_OK(policy);
   const auto sees = [&](const char* token, const ltm::MemoryId& entity) {

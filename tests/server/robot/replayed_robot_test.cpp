@@ -136,12 +136,12 @@ TEST_F(ReplayedRobot, HasOneServerOfSystemState) {
     EXPECT_OK(config);
     const auto replay = replay_robot(*config, nullptr, {});
     if (!replay.ok()) return {std::string(replay.status().message())};
-    std::vector<std::string> owners;
+    std::vector<std::string> names;
     for (const ServerConfig& server : config->servers) {
       const auto& service = server.options.service;
-      if (std::ranges::count(service.memories, "SystemState") > 0) owners.push_back(service.name);
+      if (std::ranges::count(service.memories, "SystemState") > 0) names.push_back(service.name);
     }
-    return owners;
+    return names;
   };
   const auto robot = [this](const std::string& memories, const std::string& rest) {
     return "servers:\n  - name: state\n    listen: " + at("s") + "\n    memories: [" + memories +
