@@ -89,6 +89,28 @@ Met meet_links_from(const Asked& asked, const where::LinksFrom& linking,
   return met;
 }
 
+/// Bytes may be anything's, so the compiler must know that these change nothing else.
+void keep_where(const Met& met, bool is_negated, Met& all) {
+  const uint8_t* const one = met.data();
+  uint8_t* const kept = all.data();
+  const auto flipped = static_cast<uint8_t>(is_negated);
+  const size_t count = all.size();
+  for (size_t i = 0; i < count; ++i) kept[i] = static_cast<uint8_t>(kept[i] & (one[i] ^ flipped));
+}
+
+/// The times of what is met. No branch depends on that, of which no processor knows the next.
+std::vector<Time> times_where(const Met& met, const std::vector<Time>& times) {
+  const auto count = static_cast<size_t>(std::ranges::count(met, 1));
+  std::vector<Time> found(count + 1);  // One more, which is written where nothing is met.
+  Time* next = found.data();
+  for (size_t i = 0; i < met.size(); ++i) {
+    *next = times[i];
+    next += met[i];
+  }
+  found.pop_back();
+  return found;
+}
+
 class Meeting {
  public:
   Meeting(const Asked& asked, KnownContexts& contexts) : asked_(asked), contexts_(contexts) {}
@@ -129,20 +151,16 @@ Result<std::vector<Time>> moments_meeting(const MemoryId& entity,
                                           std::span<const Condition> conditions, bool is_named,
                                           KnownContexts& contexts) {
   ENGRAM_ASSIGN_OR_RETURN(const auto context, contexts.of(entity));
-  std::vector<Time> times;
-  if (!context) return times;
+  if (!context) return std::vector<Time>();
   const Asked asked{entity, *context, is_named};
   Meeting meeting(asked, contexts);
   Met all(context->times.size(), 1);
   for (const Condition& condition : conditions) {
     auto met = std::visit(meeting, condition.kind);
     if (!met.ok()) return met.status().with_context("'" + to_string(condition) + "'");
-    for (size_t i = 0; i < all.size(); ++i)
-      all[i] = static_cast<uint8_t>(all[i] & ((*met)[i] ^ uint8_t{condition.is_negated}));
+    keep_where(*met, condition.is_negated, all);
   }
-  for (size_t i = 0; i < all.size(); ++i)
-    if (all[i] != 0) times.push_back(context->times[i]);
-  return times;
+  return times_where(all, context->times);
 }
 
 }  // namespace engram::ltm

@@ -26,6 +26,10 @@ class KnownContexts {
   /// Errors: those of the past.
   virtual Result<std::optional<Intrinsics>> intrinsics(const MemoryId& link) = 0;
 
+  /// Whether there are depth images that link to images of a camera.
+  /// Errors: those of the past.
+  virtual Result<bool> has_depths(const MemoryId& camera) = 0;
+
   /// Whether something is certainly before a point of a camera's image, as depth images say that
   /// link to the camera's image. Nothing where there is no such image, or where it measured
   /// nothing. `x` and `y` are 0 at the left and the top of the image and 1 at its other sides; `z`

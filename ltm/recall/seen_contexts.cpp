@@ -138,7 +138,8 @@ ListMoments list_moments(KnownPast& past, const MemoryId& entity, bool is_named)
       past, [&past](const MemoryId& other) { return past.of(other); }, entity, is_named);
 }
 
-Result<std::vector<MemoryId>> SeenContexts::depths_of(const MemoryId& camera) {
+Result<const std::vector<MemoryId>*> SeenContexts::depths_of(const MemoryId& camera) {
+  if (const auto known = depths_.find(camera); known != depths_.end()) return &known->second;
   std::vector<MemoryId> depths;
   ENGRAM_ASSIGN_OR_RETURN(const Query all, Query::parse(".*"));
   for (const MemoryId& entity : past_.matching(all)) {
@@ -148,19 +149,20 @@ Result<std::vector<MemoryId>> SeenContexts::depths_of(const MemoryId& camera) {
     if (context && std::ranges::find(context->targets, camera) != context->targets.end())
       depths.push_back(entity);
   }
-  return depths;
+  return &depths_.emplace(camera, std::move(depths)).first->second;
+}
+
+Result<bool> SeenContexts::has_depths(const MemoryId& camera) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto* const depths, depths_of(camera));
+  return !depths->empty();
 }
 
 Result<std::optional<bool>> SeenContexts::is_hidden(const MemoryId& image, double x, double y,
                                                     double z) {
   const MemoryId camera = image.entity();
-  auto known = depths_.find(camera);
-  if (known == depths_.end()) {
-    ENGRAM_ASSIGN_OR_RETURN(std::vector<MemoryId> found, depths_of(camera));
-    known = depths_.emplace(camera, std::move(found)).first;
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto* const depths, depths_of(camera));
   std::optional<bool> hidden;
-  for (const MemoryId& depth : known->second) {
+  for (const MemoryId& depth : *depths) {
     ENGRAM_ASSIGN_OR_RETURN(const auto context, of(depth));
     const auto& links = context->links;
     // A depth image is taken with the image that it links to.

@@ -26,12 +26,13 @@ class SeenContexts final : public KnownContexts {
 
   Result<std::shared_ptr<const EntityContext>> of(const MemoryId& entity) override;
   Result<std::optional<Intrinsics>> intrinsics(const MemoryId& link) override;
+  Result<bool> has_depths(const MemoryId& camera) override;
   Result<std::optional<bool>> is_hidden(const MemoryId& image, double x, double y,
                                         double z) override;
 
  private:
-  /// Finds the entities with depth images that link to images of a camera.
-  Result<std::vector<MemoryId>> depths_of(const MemoryId& camera);
+  /// Finds the entities with depth images that link to images of a camera, once for each.
+  Result<const std::vector<MemoryId>*> depths_of(const MemoryId& camera);
 
   KnownPast& past_;
   const SeenPastOf seen_;

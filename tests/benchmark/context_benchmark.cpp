@@ -22,7 +22,7 @@ MemoryId named_thing(const std::string& name) {
 class BenchmarkWorld final : public KnownContexts {
  public:
   BenchmarkWorld(size_t count, bool wanders) {
-    for (const char* name : {"cup", "table", "camera", "pick"}) {
+    for (const char* name : {"cup", "mug", "table", "camera", "pick"}) {
       auto context = std::make_shared<EntityContext>();
       context->frames = {"world"};
       contexts_[named_thing(name)] = context;
@@ -32,6 +32,7 @@ class BenchmarkWorld final : public KnownContexts {
     std::normal_distribution<double> step(0, 0.002);
     std::array<double, 3> at{};
     EntityContext& cup = *contexts_[named_thing("cup")];
+    std::bernoulli_distribution is_visible(0.75);
     EntityContext& table = *contexts_[named_thing("table")];
     EntityContext& camera = *contexts_[named_thing("camera")];
     EntityContext& pick = *contexts_[named_thing("pick")];
@@ -46,7 +47,8 @@ class BenchmarkWorld final : public KnownContexts {
         thing->places.frame.push_back(0);
         for (const double x : at)
           thing->places.position.push_back(thing == &cup ? x : wanders ? 0.5 : any(random));
-        thing->visibility.push_back(EntityContext::Visibility::kVisible);
+        thing->visibility.push_back(is_visible(random) ? EntityContext::Visibility::kVisible
+                                                       : EntityContext::Visibility::kHidden);
       }
       if (i % 5 == 0) {
         const double turned = static_cast<double>(i) * 1e-4;
@@ -66,6 +68,7 @@ class BenchmarkWorld final : public KnownContexts {
         pick.spans.ended.push_back(to_ns(time) + 500 * kWorldStep);
       }
     }
+    link_to_images(cup, camera, *contexts_[named_thing("mug")]);
   }
 
   Result<std::shared_ptr<const EntityContext>> of(const MemoryId& entity) override {
@@ -74,12 +77,27 @@ class BenchmarkWorld final : public KnownContexts {
   Result<std::optional<Intrinsics>> intrinsics(const MemoryId& /*link*/) override {
     return std::optional<Intrinsics>();
   }
+  Result<bool> has_depths(const MemoryId& /*camera*/) override { return false; }
   Result<std::optional<bool>> is_hidden(const MemoryId& /*image*/, double /*x*/, double /*y*/,
                                         double /*z*/) override {
     return std::optional<bool>();
   }
 
  private:
+  /// The same thing, whose snapshots link to the images that they were found in.
+  static void link_to_images(const EntityContext& thing, const EntityContext& camera,
+                             EntityContext& linking) {
+    linking = thing;
+    linking.targets = {named_thing("camera")};
+    for (uint32_t i = 0; i < thing.times.size(); ++i) {
+      linking.links.snapshot.push_back(i);
+      linking.links.instance.push_back(0);
+      linking.links.target.push_back(0);
+      linking.links.time.push_back(to_ns(camera.times[i / 5]));
+      linking.links.index.push_back(0);
+    }
+  }
+
   std::map<MemoryId, std::shared_ptr<EntityContext>> contexts_;
 };
 
@@ -90,17 +108,21 @@ BenchmarkWorld& million(bool wanders) {
 }
 
 /// Argument: whether things wander, as robots do, or are anywhere at any time.
-void meet(benchmark::State& state, const Condition& condition) {
+void meet(benchmark::State& state, const Condition& condition, const char* asked = "cup") {
   BenchmarkWorld& world = million(state.range(0) != 0);
+  const MemoryId entity = named_thing(asked);
   size_t met = 0;
   for (auto _ : state) {
-    const auto times = moments_meeting(named_thing("cup"), {&condition, 1}, true, world);
+    const auto times = moments_meeting(entity, {&condition, 1}, true, world);
     met = times->size();
     benchmark::DoNotOptimize(times);
   }
   state.counters["met"] = static_cast<double>(met);
-  state.SetItemsProcessed(state.iterations() * 1'000'000);
+  state.SetItemsProcessed(state.iterations() *
+                          static_cast<int64_t>((*world.of(entity))->times.size()));
 }
+
+using Sighting = where::InView::Sighting;
 
 void BM_Near(benchmark::State& state) {
   meet(state, {where::Near{{0.5, 0.5, 0.5}, 0.3}});
@@ -111,12 +133,34 @@ void BM_Within(benchmark::State& state) {
 void BM_InView(benchmark::State& state) {
   meet(state, {where::InView{named_thing("camera")}});
 }
+void BM_SeenWith(benchmark::State& state) {
+  meet(state, {where::InView{named_thing("camera"), Sighting::kSeen}});
+}
+void BM_InVain(benchmark::State& state) {
+  meet(state, {where::InView{named_thing("camera"), Sighting::kInVain}});
+}
+/// The snapshots link to images.
+void BM_LinkedInView(benchmark::State& state) {
+  meet(state, {where::InView{named_thing("camera")}}, "mug");
+}
+void BM_LinkedSeenWith(benchmark::State& state) {
+  meet(state, {where::InView{named_thing("camera"), Sighting::kSeen}}, "mug");
+}
+/// The camera is asked, which has 200,000 images.
+void BM_ImagesInView(benchmark::State& state) {
+  meet(state, {where::InView{named_thing("cup")}}, "camera");
+}
 void BM_While(benchmark::State& state) {
   meet(state, {where::While{named_thing("pick")}});
 }
 BENCHMARK(BM_Near)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_Within)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_InView)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_SeenWith)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_InVain)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_LinkedInView)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_LinkedSeenWith)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_ImagesInView)->Arg(0)->Arg(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_While)->Arg(1)->Unit(benchmark::kMillisecond);
 
 /// Argument: as above.
