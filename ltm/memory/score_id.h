@@ -7,7 +7,7 @@
 
 namespace engram::ltm {
 
-/// SystemState/Replay/scores/<the ID of an entity>: what tells how good the predictions of that
+/// `SystemState/Replay/scores/` and the ID of an entity: what tells how good the predictions of that
 /// entity were.
 [[nodiscard]] MemoryId score_id(const MemoryId& predicted);
 
