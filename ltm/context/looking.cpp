@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <Eigen/Geometry>
+
 namespace engram::ltm {
 
 Looking::Looking(const MemoryId& camera, const EntityContext& camera_context, const MemoryId& thing,
@@ -255,8 +257,9 @@ Status Looking::look_with(uint32_t camera) {
     if (eye.frame == kNoRow || orientation.squaredNorm() == 0) continue;
     ENGRAM_ASSIGN_OR_RETURN(const Lens* const lens, lens_of(row));
     if (lens == nullptr) continue;
-    eye.to_camera = orientation.normalized().conjugate().toRotationMatrix();
-    eye.position = Eigen::Vector3d(&camera_.cameras.position[3 * row]);
+    Eigen::Map<Eigen::Matrix3d>(eye.to_camera.data()) =
+        orientation.normalized().conjugate().toRotationMatrix();
+    std::copy_n(&camera_.cameras.position[3 * row], 3, eye.position.begin());
     eye.intrinsics = lens->intrinsics;
     eyes_.push_back(eye);
   }
@@ -281,8 +284,9 @@ Result<const Looking::Lens*> Looking::lens_of(size_t row) {
 }
 
 Looking::Projection Looking::project(const Eye& eye, size_t place) const {
-  const Eigen::Vector3d seen =
-      eye.to_camera * (Eigen::Vector3d(&thing_.places.position[3 * place]) - eye.position);
+  const Eigen::Vector3d seen = Eigen::Map<const Eigen::Matrix3d>(eye.to_camera.data()) *
+                               (Eigen::Vector3d(&thing_.places.position[3 * place]) -
+                                Eigen::Map<const Eigen::Vector3d>(eye.position.data()));
   Projection to;
   to.z = seen.z();
   if (to.z <= 0) return to;

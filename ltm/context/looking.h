@@ -3,14 +3,13 @@
 
 // Private to this room: a camera and what it looks at.
 
+#include <array>
 #include <functional>
 #include <map>
 #include <optional>
 #include <span>
 #include <tuple>
 #include <vector>
-
-#include <Eigen/Geometry>
 
 #include "ltm/context/cursors.h"
 #include "ltm/context/meeting.h"
@@ -57,8 +56,8 @@ class Looking {
   struct Eye {
     int32_t instance = 0;
     uint32_t frame = kNoRow;
-    Eigen::Matrix3d to_camera;
-    Eigen::Vector3d position;
+    std::array<double, 9> to_camera{};  ///< A rotation, column by column.
+    std::array<double, 3> position{};   ///< Unit: m.
     Intrinsics intrinsics;
   };
   /// A place in an image. Unit: pixels, and m along the optical axis.
