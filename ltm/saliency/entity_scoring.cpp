@@ -321,9 +321,11 @@ Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> ent
   const size_t looked = std::min(entities.size(), kMaxUnitEntities);
   const size_t pairs = kUnitPairs / std::max<size_t>(looked, 1);
   for (size_t e = 0; e < looked && !is_over(); ++e) {
-    // One that cannot be read is told of when it is scored, and must not keep others from it.
     const Status added = add_units(past, entities[e * entities.size() / looked], pairs, units);
-    if (added.code() == StatusCode::kResourceExhausted) return added;
+    // Units without some entities are wrong for all, so what will be there in the next try ends
+    // this one. An entity that is damaged is told of when it is scored.
+    if (added.code() == StatusCode::kResourceExhausted || added.code() == StatusCode::kUnavailable)
+      return added;
   }
   units.finish();
   return units;

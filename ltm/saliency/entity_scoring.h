@@ -52,7 +52,7 @@ class EntityContents {
 /// Gathers the units of all entities of one provider segment, from at most 4,096 pairs of
 /// consecutive snapshots, evenly spread. Entities that cannot be read tell nothing. `is_over` is
 /// asked before each entity; once it says so, the rest is left out.
-/// Errors: kResourceExhausted.
+/// Errors: kUnavailable, kResourceExhausted.
 Result<MemberUnits> measure_units(StorePast& past, std::span<const MemoryId> entities,
                                   const std::function<bool()>& is_over);
 

@@ -57,7 +57,8 @@ class SaliencyJob {
         const Status scored = score(entity);
         if (scored.ok()) continue;
         if (scored.code() == StatusCode::kCancelled ||
-            scored.code() == StatusCode::kResourceExhausted)
+            scored.code() == StatusCode::kResourceExhausted ||
+            scored.code() == StatusCode::kUnavailable)
           return scored;
         log::warning("store '{}': '{}' has no saliency: {}", past_.store().path().string(),
                      entity.to_string(), scored.message());

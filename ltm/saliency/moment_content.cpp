@@ -17,8 +17,8 @@ namespace {
 constexpr int64_t kMinTime = 1'000'000'000'000'000;
 constexpr int kMaxContentDepth = 64;
 
-/// Whether an integer can be a time alone. Not by its magnitude, which the smallest one has none
-/// of.
+/// Whether an integer can be a time alone. The smallest integer has no magnitude, so both ends are
+/// compared.
 bool is_time(int64_t value) {
   return value >= kMinTime || value <= -kMinTime;
 }

@@ -205,6 +205,7 @@ Result<SalientMoment> why_salient(StorePast& past, const AccessTable& accesses,
   ENGRAM_ASSIGN_OR_RETURN(const MemberUnits units,
                           measure_units(past, entities_beside(past.store(), entity),
                                         [&stop] { return stop.stop_requested(); }));
+  if (stop.stop_requested()) return cancelled("'{}': explaining it", entity.printable());
   EntitySaliency saliency = stored_saliency_of(past.store(), entity).known_rows();
   const bool is_stored = saliency.find(asked).has_value();
   if (!is_stored) {
