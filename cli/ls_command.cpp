@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "datasets/recordings/snapshot_cursor.h"
+#include "ltm/recall/store_conditions.h"
 #include "ltm/store/store_reader.h"
 #include "reports/plain/text.h"
 
@@ -23,7 +24,8 @@ Examples:
   engram ls robot.engram
   engram ls robot.engram Vision/RGB/head
   engram ls robot.engram Vision/RGB/head/cam --limit 10
-  engram ls robot.engram '.*/.*/.*/cam @ last:2s')";
+  engram ls robot.engram '.*/.*/.*/cam @ last:2s'
+  engram ls robot.engram '.*/.*/.*/cup @ all near 0.4,0,0.9 0.3m')";
 
 struct LsArguments {
   std::string store;
@@ -56,7 +58,7 @@ class Listing {
 
   /// Lists the level directly below an ID.
   Status list(const ltm::MemoryId& id) {
-    if (id.has_entity()) return id.time() ? list_instances(id) : list_snapshots(id, all());
+    if (id.has_entity()) return id.time() ? list_instances(id) : list_snapshots(id, all(), {});
     const size_t depth = id.names().size() + 1;
     std::map<std::string, Line> lines;
     for (const ltm::MemoryId& entity : reader_.entities()) {
@@ -75,11 +77,13 @@ class Listing {
   Status list(const ltm::Query& query, bool has_selector) {
     std::map<std::string, Line> lines;
     bool is_found = false;
+    ltm::StoreConditions conditions(reader_.path(), query);
     for (const ltm::MemoryId& entity : reader_.entities()) {
       if (!query.matches(entity)) continue;
       is_found = true;
       if (has_selector) {
-        ENGRAM_RETURN_IF_ERROR(list_snapshots(entity, query.snapshots_of(entity)));
+        ENGRAM_RETURN_IF_ERROR(
+            list_snapshots(entity, query.snapshots_of(entity), conditions.of(entity)));
         continue;
       }
       ENGRAM_ASSIGN_OR_RETURN(lines[entity.to_string()], line_of(entity));
@@ -143,10 +147,11 @@ class Listing {
     text_ = lines.empty() ? "It is empty." : table.to_string();
   }
 
-  Status list_snapshots(const ltm::MemoryId& entity,
-                        const std::vector<ltm::SnapshotQuery>& queries) {
+  Status list_snapshots(const ltm::MemoryId& entity, const std::vector<ltm::SnapshotQuery>& queries,
+                        const ltm::ListMoments& listed) {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
-    ENGRAM_ASSIGN_OR_RETURN(auto cursor, datasets::SnapshotCursor::create(*timeline, queries));
+    ENGRAM_ASSIGN_OR_RETURN(auto cursor,
+                            datasets::SnapshotCursor::create(*timeline, queries, listed));
     Json times = Json::array();
     text_ += (text_.empty() ? "" : "\n") + entity.printable();
     bool has_more = false;

@@ -51,6 +51,24 @@ TEST_F(ListAndExport, ListsLevelByLevel) {
   EXPECT_GT(json["entries"][0]["sealed_bytes"], 0);
 }
 
+TEST_F(ListAndExport, ListsSnapshotsThatMeetConditions) {
+  auto recorder = ltm::Recorder::open(store_, {});
+  ASSERT_OK(recorder);
+  const ltm::MemoryId linked = ltm::example_entity().at(ltm::example_time(3));
+  ASSERT_OK(recorder->declare(*ltm::MemoryId::parse("Notes/Text"),
+                              idf::Type::dict(idf::Type::memory_link())));
+  ASSERT_OK(recorder->commit({{{*ltm::MemoryId::parse("Notes/Text/robot/note"),
+                                *linked.time(),
+                                {{idf::Dict{{"of", linked.to_string()}}, {}}}}}}));
+  ASSERT_OK(recorder->close());
+  const RunResult found =
+      ls({"Vision/RGB/head/cam @ all links-from Notes/Text/robot/note", "--json"});
+  const Json json = Json::parse(found.out);
+  ASSERT_EQ(json["entities"].size(), 1u) << found.err;
+  ASSERT_EQ(json["entities"][0]["snapshots"].size(), 1u);
+  EXPECT_EQ(json["entities"][0]["snapshots"][0]["time_ns"], to_ns(ltm::example_time(3)));
+}
+
 TEST_F(ListAndExport, ListsSnapshotsUpToALimitAndSaysHowManyMore) {
   EXPECT_THAT(ls({"Vision/RGB/head/cam"}).out, HasSubstr("and 10 more"));
   const RunResult all = ls({"Vision/RGB/head/cam", "--limit", "60"});

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "augmentation/random.h"
+#include "ltm/recall/store_conditions.h"
 #include "ltm/store/manifest.h"
 
 namespace engram::training {
@@ -26,6 +27,7 @@ class Augmentation {
       : reader_(reader),
         recorder_(recorder),
         options_(options),
+        conditions_(reader.path(), options.query),
         changer_(changer),
         progress_(progress),
         stop_(stop) {}
@@ -37,8 +39,9 @@ class Augmentation {
     if (!report.skipped_reason.empty()) return report;
     ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader_.timeline(entity));
     ENGRAM_ASSIGN_OR_RETURN(const uint64_t total, timeline->count());
-    ENGRAM_ASSIGN_OR_RETURN(auto cursor, datasets::SnapshotCursor::create(
-                                             *timeline, options_.query.snapshots_of(entity)));
+    ENGRAM_ASSIGN_OR_RETURN(
+        auto cursor, datasets::SnapshotCursor::create(
+                         *timeline, options_.query.snapshots_of(entity), conditions_.of(entity)));
     uint64_t seen = 0;
     while (!stop_.stop_requested()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto step, cursor.next());
@@ -64,6 +67,7 @@ class Augmentation {
   ltm::StoreReader& reader_;
   ltm::Recorder& recorder_;
   const AugmentedStoreOptions& options_;
+  ltm::StoreConditions conditions_;
   SnapshotChanger& changer_;
   const ProgressSink& progress_;
   const std::stop_token& stop_;

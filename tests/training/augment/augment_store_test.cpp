@@ -70,6 +70,26 @@ class AugmentStore : public testing::Test {
   const MemoryId joints_ = id_of("Robot/State/arm/joints");
 };
 
+TEST_F(AugmentStore, ChangesWhatMeetsConditions) {
+  auto recorder = ltm::Recorder::open(real_, {});
+  ASSERT_OK(recorder);
+  const MemoryId note = id_of("Notes/Text/robot/note");
+  ASSERT_OK(recorder->declare(id_of("Notes/Text"), idf::Type::dict(idf::Type::memory_link())));
+  for (int i = 0; i < 3; ++i)
+    ASSERT_OK(recorder->commit(
+        {{{note, time_of(i), {{idf::Dict{{"of", camera_.at(time_of(i)).to_string()}}, {}}}}}}));
+  ASSERT_OK(recorder->close());
+  const auto noted = augment(options_of("Vision/RGB @ all links-from Notes/Text/robot/note"));
+  ASSERT_OK(noted);
+  EXPECT_EQ(noted->entities.at(0).snapshots, 3);
+  const auto others =
+      augment(options_of("Vision/RGB @ all not links-from Notes/Text/robot/note"), "rest");
+  ASSERT_OK(others);
+  EXPECT_EQ(others->entities.at(0).snapshots, kSnapshots - 3);
+  EXPECT_FAILS(augment(options_of("Vision/RGB @ all while Skills/Actions/robot/pick"), "none"),
+               StatusCode::kNotFound, "Skills/Actions/robot/pick");
+}
+
 TEST_F(AugmentStore, MakesSnapshotsThatNameTheirOriginAndRecipe) {
   AugmentOptions options = options_of("Vision/RGB @ all");
   options.copies = 2;
