@@ -99,9 +99,10 @@ demo: build/$(DEMO_PRESET)/build.ninja packages
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
 	cmake --build --preset release --target engram_benchmark engram_paper_objects \
-	  engram_recording_speed
+	  engram_recording_speed engram_neighbour_index
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
+	build/release/bin/engram_neighbour_index
 
 # A fresh release build without ccache, in build/bench; BENCH=--help.
 bench-build: packages
