@@ -27,6 +27,7 @@ constexpr const char* kMainFooter = R"(Examples:
   engram info robot.engram
   engram consolidate robot.engram --training 2m
   engram augment robot.engram --out changed.engram
+  engram view robot.engram --open
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
   engram ls robot.engram Vision/RGB/head/cam
@@ -47,7 +48,7 @@ constexpr const char* kMainFooter = R"(Examples:
 
 Results go to stdout, messages and progress to stderr.
 Exit codes: 0 done, 1 failed, 2 wrong usage or configuration, 3 done but with data loss, 130 ended
-by Ctrl-C, 143 by SIGTERM (serve, mns and watch: 0).)";
+by Ctrl-C, 143 by SIGTERM (serve, mns, view and watch: 0).)";
 
 /// Writes the options that exclude or need each other in the order of their names: CLI11 keeps them
 /// by their addresses, so help texts would differ from run to run.
@@ -99,6 +100,7 @@ struct Program {
     add_models_command(app, exit_code);
     if (learning != nullptr) learning->add_crossval_command(app, exit_code);
     add_ls_command(app, exit_code);
+    add_view_command(app, exit_code);
     add_query_command(app, exit_code);
     add_similar_command(app, exit_code);
     add_why_salient_command(app, exit_code);

@@ -61,3 +61,16 @@ if(ENGRAM_KITCHEN)
     set(ENGRAM_KITCHEN OFF)
   endif()
 endif()
+
+# AUTO is as good as ON for if(), and OFF is OFF.
+if(ENGRAM_VIEWER)
+  find_path(ENGRAM_BOOST_HEADERS boost/beast/version.hpp)
+  if(NOT ENGRAM_BOOST_HEADERS AND ENGRAM_VIEWER STREQUAL "ON")
+    message(FATAL_ERROR "ENGRAM_VIEWER=ON needs Boost.Beast:\n    apt-get install libboost-dev")
+  elseif(NOT ENGRAM_BOOST_HEADERS)
+    message(WARNING
+      "'engram view' is left out: Boost.Beast is missing. Install it:\n"
+      "    apt-get install libboost-dev")
+    set(ENGRAM_VIEWER OFF)
+  endif()
+endif()

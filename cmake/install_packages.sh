@@ -11,10 +11,16 @@ if ! command -v dpkg-query >/dev/null; then
   exit 0
 fi
 
+# What installed packages provide: Node.js of another source has npm in it, and conflicts with
+# Debian's. Versions behind the names do not count here.
+provided=$(dpkg-query -W -f '${db:Status-Status}, ${Provides}\n' 2>/dev/null |
+  sed -n 's/^installed, //p' | tr ',' '\n' | sed 's/^ *//; s/[ (].*//')
+
 missing=
 for package in $(sed 's/#.*//' "$list"); do
   state=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
-  [ "$state" = "install ok installed" ] || missing="$missing $package"
+  [ "$state" = "install ok installed" ] && continue
+  printf '%s\n' "$provided" | grep -qxF -- "$package" || missing="$missing $package"
 done
 [ -n "$missing" ] || exit 0
 

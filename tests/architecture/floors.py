@@ -37,6 +37,7 @@ LIBRARIES = {
     "pybind11": ("pybind11/",),
     "MuJoCo": ("mujoco/",),
     "EGL": ("EGL/",),
+    "Boost": ("boost/",),
 }
 # These stay where they are, whoever may include the room.
 CONFINED = {
@@ -51,6 +52,7 @@ CONFINED = {
     "CLI11": {"cli"},
     "MuJoCo": {"datasets/kitchen", "datasets"},
     "EGL": {"datasets/kitchen", "datasets"},
+    "Boost": {"viewer"},
 }
 SYSTEM = re.compile(
     r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"

@@ -118,7 +118,7 @@ class PlantedFaults(unittest.TestCase):
 
     def test_a_library_that_the_row_does_not_name(self):
         self.expect("ltm/core/planted.cpp", SPDX + "#include <opencv2/core.hpp>\n", 2, "OpenCV")
-        self.expect("ltm/core/planted.cpp", SPDX + "#include <boost/any.hpp>\n", 2, "no library")
+        self.expect("ltm/core/planted.cpp", SPDX + "#include <folly/any.h>\n", 2, "no library")
 
     def test_learning_below_its_floor(self):
         self.expect("ltm/recall/planted.cpp", SPDX + "#include <torch/torch.h>\n", 2, "LibTorch")

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/sampled_series.h"
+
+#include <cmath>
+#include <set>
+
+#include "memory/memory.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+
+namespace engram::viewer {
+namespace {
+
+using ::testing::ElementsAre;
+
+std::vector<size_t> order_of(size_t count, size_t first_pass) {
+  std::vector<size_t> order;
+  visit_coarse_first(count, first_pass, [&order](size_t i) {
+    order.push_back(i);
+    return true;
+  });
+  return order;
+}
+
+TEST(CoarseFirst, VisitsEachOnceAndTheWholeSpanEarly) {
+  EXPECT_THAT(order_of(8, 2), ElementsAre(0, 4, 2, 6, 1, 3, 5, 7));
+  EXPECT_THAT(order_of(3, 64), ElementsAre(0, 1, 2));
+  EXPECT_THAT(order_of(0, 64), ::testing::IsEmpty());
+  for (const size_t count : {1, 63, 64, 65, 1000, 4097}) {
+    const auto order = order_of(count, 64);
+    EXPECT_EQ(order.size(), count);
+    EXPECT_EQ(std::set<size_t>(order.begin(), order.end()).size(), count);
+  }
+}
+
+TEST(CoarseFirst, EndsWhenItIsToldTo) {
+  size_t visits = 0;
+  visit_coarse_first(100, 10, [&visits](size_t) { return ++visits < 3; });
+  EXPECT_EQ(visits, 3u);
+}
+
+class SampledSeriesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto memory = *Memory::open(store_);
+    for (int64_t i = 0; i < 100; ++i)
+      EXPECT_OK(memory->commit({{{arm_,
+                                  time_from_ns(i),
+                                  {{idf::Dict{{"x", static_cast<double>(i)},
+                                              {"nan", i == 5 ? 1.0 : std::nan("")}}}}}}}));
+    EXPECT_OK(memory->close());
+    viewed_ =
+        *ViewedMemory::open({.name = "arm", .store = store_, .open = [this](bool prefers_latents) {
+                               return Memory::open(store_, {.is_read_only = true,
+                                                            .prefers_latents = prefers_latents,
+                                                            .notes_reads = false});
+                             }});
+  }
+
+  SeriesRequest request_of(std::vector<std::string> paths, int64_t to, size_t pixels) const {
+    return {.entity = arm_,
+            .paths = std::move(paths),
+            .bins = *ltm::TimeBins::create(time_from_ns(0), time_from_ns(to), pixels)};
+  }
+
+  const ScratchDirectory scratch_;
+  const std::filesystem::path store_ = scratch_ / "arm.engram";
+  const ltm::MemoryId arm_ = *ltm::MemoryId::parse("Robot/Joints/arm/left");
+  std::unique_ptr<ViewedMemory> viewed_;
+};
+
+TEST_F(SampledSeriesTest, HasTheExtremesAndTheLastOfEachPixel) {
+  const auto answer = sample_series(*viewed_, request_of({"x"}, 200, 4));
+  ASSERT_OK(answer);
+  EXPECT_EQ(answer->read, 100u);
+  EXPECT_EQ(answer->total, 100u);
+  const auto nan = ::testing::IsNan();
+  EXPECT_THAT(answer->series[0].min, ElementsAre(0, 50, nan, nan));
+  EXPECT_THAT(answer->series[0].max, ElementsAre(49, 99, nan, nan));
+  EXPECT_THAT(answer->series[0].last, ElementsAre(49, 99, nan, nan));
+}
+
+TEST_F(SampledSeriesTest, LeavesOutWhatIsNoNumber) {
+  const auto answer = sample_series(*viewed_, request_of({"nan", "none"}, 100, 1));
+  ASSERT_OK(answer);
+  EXPECT_THAT(answer->series[0].min, ElementsAre(1));
+  EXPECT_TRUE(std::isnan(answer->series[0].last[0]));
+  EXPECT_TRUE(std::isnan(answer->series[1].max[0]));
+}
+
+TEST_F(SampledSeriesTest, SeesWhatCameMeanwhile) {
+  ASSERT_OK(sample_series(*viewed_, request_of({"x"}, 200, 1)));
+  const auto memory = *Memory::open(store_);
+  EXPECT_OK(memory->commit({{{arm_, time_from_ns(150), {{idf::Dict{{"x", -7.0}}}}}}}));
+  EXPECT_OK(memory->close());
+  std::this_thread::sleep_for(viewed_->options().max_age);
+  const auto answer = sample_series(*viewed_, request_of({"x"}, 200, 1));
+  ASSERT_OK(answer);
+  EXPECT_EQ(answer->total, 101u);
+  EXPECT_THAT(answer->series[0].min, ElementsAre(-7));
+}
+
+TEST_F(SampledSeriesTest, OfNoEntityIsAnError) {
+  SeriesRequest request = request_of({"x"}, 10, 1);
+  request.entity = *ltm::MemoryId::parse("Robot/Joints/arm/right");
+  EXPECT_FAILS(sample_series(*viewed_, request), StatusCode::kNotFound, "has no entity");
+}
+
+}  // namespace
+}  // namespace engram::viewer

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "viewer/gateway.h"
+#include "viewer/viewed_memory.h"
+#include "viewer/visitor_gate.h"
+
+namespace engram::viewer {
+
+/// Shows a memory in the browser of this machine: a page, and what it asks for. It changes nothing.
+///
+/// Threading: one thread.
+/// Source: docs/viewer.md.
+class Viewer {
+ public:
+  struct Options {
+    ViewedMemory::Options memory;
+    /// Where to listen: HOST:PORT of this machine alone, port 0: any.
+    std::string listen = "127.0.0.1:0";
+    /// The origin of a page that may show this one in a frame; empty: none may.
+    std::string embedding_origin{};
+  };
+
+  /// Opens the memory and serves it until this object ends.
+  /// Errors: kInvalidArgument naming the endpoint or the origin; kFailedPrecondition if others than
+  /// this machine could reach it; those of ViewedMemory::open and Gateway::listen.
+  static Result<std::unique_ptr<Viewer>> start(Options options);
+
+  /// What a person opens. It has the token, so who sees it may look.
+  [[nodiscard]] std::string url() const { return gate_->url(); }
+
+  /// Answers one request: who may look, then the page and what it asks. Never throws.
+  /// Threading: thread-safe.
+  [[nodiscard]] HttpResponse respond(const HttpRequest& request) const;
+
+ private:
+  Viewer() = default;
+
+  [[nodiscard]] std::optional<HttpResponse> stop_socket(const HttpRequest& request) const;
+  void follow();
+
+  std::unique_ptr<ViewedMemory> memory_;
+  std::unique_ptr<VisitorGate> gate_;
+  std::unique_ptr<Gateway> gateway_;            ///< Ends before what it calls.
+  std::unique_ptr<Subscription> subscription_;  ///< Ends first: it calls the gateway.
+};
+
+}  // namespace engram::viewer
