@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createSignal, For, lazy, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
+import { ImagesPanel } from './panels/images/ImagesPanel';
+import { Inspector } from './panels/Inspector';
+import { NightsPanel } from './panels/NightsPanel';
+import { PlotPanel } from './panels/plot/PlotPanel';
+import { QueryPanel } from './panels/QueryPanel';
+import { SimilarPanel } from './panels/SimilarPanel';
+import { watchLive } from './state/live';
+import { watchMoving } from './state/moving';
+import { watchPlay } from './state/play';
+import { failure, isReady, start, watchAddress } from './state/start';
+import { info, notice, panels, type Panel } from './state/store';
+import { Timeline } from './timeline/Timeline';
+import { HelpDialog, SearchDialog, TimeDialog } from './ui/Dialogs';
+import { Header } from './ui/Header';
+import { Empty } from './ui/PanelFrame';
+import { keyOf } from './ui/keys';
+import { keyTable } from './ui/keyTable';
+import { Splitter } from './ui/Splitter';
+
+// three.js is large; who opens no 3-D panel never loads it.
+const ScenePanel = lazy(() => import('./panels/scene/ScenePanel'));
+
+function AnyPanel(props: { panel: Panel }) {
+  return (
+    <Switch>
+      <Match when={props.panel.kind === 'images'}><ImagesPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'plot'}><PlotPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'inspector'}><Inspector panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'similar'}><SimilarPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'nights'}><NightsPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'query'}><QueryPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'scene'}><Suspense fallback={<div class="panel skeleton" />}><ScenePanel panel={props.panel} /></Suspense></Match>
+    </Switch>
+  );
+}
+
+/** Panels by key, so that a changed option does not build a panel anew. */
+function Panels(props: { isSide: boolean }) {
+  const keys = () => panels().filter((panel) => (panel.kind === 'inspector' || panel.kind === 'similar') === props.isSide).map((panel) => panel.key);
+  return (
+    <For each={keys()}>{(key) => {
+      const first = panels().find((panel) => panel.key === key)!;
+      const panel = () => panels().find((other) => other.key === key) ?? first;
+      return <div class={`slot slot-${first.kind}`} data-key={key}><AnyPanel panel={panel()} /></div>;
+    }}</For>
+  );
+}
+
+export function App() {
+  const [dialog, setDialog] = createSignal<'search' | 'help' | 'time' | ''>('');
+  const table = keyTable(setDialog, () => setDialog(''));
+  watchMoving();
+  watchPlay();
+  watchLive();
+  watchAddress();
+  onMount(() => {
+    void start();
+    const onKey = (event: KeyboardEvent) => {
+      if (dialog() !== '') return;
+      const key = keyOf(table, event);
+      if (!key) return;
+      event.preventDefault();
+      key.run(event);
+    };
+    addEventListener('keydown', onKey);
+    onCleanup(() => removeEventListener('keydown', onKey));
+  });
+  const hasSide = () => panels().some((panel) => panel.kind === 'inspector' || panel.kind === 'similar');
+  const hasMain = () => panels().some((panel) => panel.kind !== 'inspector' && panel.kind !== 'similar');
+  return (
+    <Show when={!failure()} fallback={<main class="refused"><h1>Engram viewer</h1><p role="alert">{failure()}</p><button onClick={() => void start()}>Try again</button></main>}>
+      <Show when={isReady()} fallback={<main class="refused"><p role="status">Opening the memory ...</p></main>}>
+        <Header onDialog={setDialog} />
+        <main class="main">
+          <Show when={(info()?.entities ?? 0) > 0} fallback={<Empty title="This memory is empty">Record something: engram import, engram simulate kitchen, or a robot that commits to engram serve.</Empty>}>
+            <Timeline />
+            <Splitter />
+            <div class="panels" classList={{ 'without-side': !hasSide(), 'without-main': !hasMain() }}>
+              <Show when={hasMain() || !hasSide()}><div class="panels-main"><Panels isSide={false} />
+                <Show when={panels().length === 0}><Empty title="No panel is open">Add one with “+ Panel”, or press i, p, s, n, q for the chosen entity.</Empty></Show></div></Show>
+              <Show when={hasSide()}><aside class="panels-side" aria-label="Details"><Panels isSide={true} /></aside></Show>
+            </div>
+          </Show>
+        </main>
+      </Show>
+      <div class="notice" role="status" aria-live="polite">{notice()}</div>
+      <Show when={dialog() === 'help'}><HelpDialog keys={table} onClose={() => setDialog('')} /></Show>
+      <Show when={dialog() === 'search'}><SearchDialog onClose={() => setDialog('')} /></Show>
+      <Show when={dialog() === 'time'}><TimeDialog onClose={() => setDialog('')} /></Show>
+    </Show>
+  );
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the gateway answers, as types and as the checks that make them.
+import * as d from './decode';
+
+export const kSources = ['recorded', 'latent', 'video', 'augmented', 'predicted'] as const;
+export type Source = (typeof kSources)[number];
+
+export const info = d.object({
+  name: d.string,
+  version: d.string,
+  stores: d.list(d.object({ name: d.string, path: d.optional(d.string) })),
+  first: d.time,
+  last: d.time,
+  entities: d.number,
+  snapshots: d.number,
+  is_live: d.withDefault(d.bool, false),
+  max_horizon_ns: d.withDefault(d.time, 60_000_000_000n),
+});
+export type Info = d.Of<typeof info>;
+
+const nodeShape = {
+  name: d.string,
+  id: d.string,
+  level: d.oneOf('memory', 'core', 'provider', 'entity'),
+  entities: d.withDefault(d.number, 1),
+  snapshots: d.withDefault(d.number, 0),
+  first: d.optional(d.time),
+  last: d.optional(d.time),
+  kinds: d.withDefault(d.list(d.string), []),
+  raw_bytes: d.optional(d.number),
+  stored_bytes: d.optional(d.number),
+  latent_bytes: d.optional(d.number),
+  models: d.optional(d.number),
+};
+const plainNode = d.object(nodeShape);
+export type TreeNode = d.Of<typeof plainNode> & { children?: TreeNode[] };
+
+export const treeNode: d.Decoder<TreeNode> = (value, path) => {
+  const node: TreeNode = plainNode(value, path);
+  const children = (value as { children?: unknown }).children;
+  if (children !== undefined) node.children = d.list(treeNode)(children, `${path}.children`);
+  return node;
+};
+export const treeLevel = d.object({ under: d.withDefault(d.string, ''), children: d.list(treeNode) });
+
+export const member = d.object({
+  path: d.string,
+  kind: d.string,
+  shape: d.withDefault(d.list(d.number), []),
+  unit: d.optional(d.string),
+  name: d.optional(d.string),
+  min: d.optional(d.number),
+  max: d.optional(d.number),
+});
+export type Member = d.Of<typeof member>;
+export const members = d.object({ members: d.list(member) });
+
+const memberError = d.object({
+  path: d.string,
+  engine: d.optional(d.string),
+  expected_error: d.optional(d.number),
+  bound: d.optional(d.number),
+});
+
+export const moment = d.object({
+  id: d.string,
+  time: d.time,
+  source: d.string,
+  engine: d.optional(d.string),
+  model: d.optional(d.string),
+  from: d.optional(d.time),
+  horizon: d.optional(d.time),
+  expected_error: d.optional(d.number),
+  bound: d.optional(d.number),
+  members: d.withDefault(d.list(memberError), []),
+  instances: d.list(d.object({ index: d.number, metadata: d.withDefault(d.anything, {}), data: d.anything })),
+  previous: d.optional(d.time),
+  next: d.optional(d.time),
+});
+export type Moment = d.Of<typeof moment>;
+export const moments = d.list(moment);
+
+export const similar = d.object({ found: d.list(d.object({ id: d.string, time: d.time, distance: d.number })) });
+export type Similar = d.Of<typeof similar>['found'][number];
+
+export const links = d.object({
+  to: d.withDefault(d.list(d.object({ path: d.string, id: d.string })), []),
+  from: d.withDefault(d.list(d.string), []),
+});
+export type Links = d.Of<typeof links>;
+
+export const found = d.object({ found: d.list(d.string), more: d.withDefault(d.bool, false) });
+export const step = d.object({ time: d.time });
+
+export const nights = d.object({
+  entities: d.list(d.object({
+    id: d.string,
+    raw_bytes: d.withDefault(d.number, 0),
+    stored_bytes: d.withDefault(d.number, 0),
+    latent_bytes: d.withDefault(d.number, 0),
+    model_bytes: d.withDefault(d.number, 0),
+    snapshots: d.withDefault(d.number, 0),
+    psnr: d.optional(d.object({ mean: d.optional(d.number), bins: d.withDefault(d.list(d.number), []), counts: d.withDefault(d.list(d.number), []) })),
+  })),
+  reflections: d.withDefault(d.list(d.anything), []),
+});
+export type Nights = d.Of<typeof nights>;
+
+export const liveFrame = d.object({
+  kind: d.string,
+  ids: d.withDefault(d.list(d.string), []),
+  count: d.withDefault(d.number, 0),
+});

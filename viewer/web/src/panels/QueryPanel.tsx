@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createSignal, For, Show } from 'solid-js';
+import { getJson } from '../api/client';
+import * as d from '../api/decode';
+import { follow } from '../state/actions';
+import { createRequest } from '../state/request';
+import { setOption, type Panel } from '../state/store';
+import { formatTime } from '../time/format';
+import { Empty, PanelFrame } from '../ui/PanelFrame';
+import { SourceTag } from '../ui/SourceTag';
+
+/** A time of the answer: nanoseconds as text or number, or as Engram prints it. */
+const anyTime: d.Decoder<string> = (value, path) => (typeof value === 'number' ? String(value) : d.string(value, path));
+const answer = d.object({
+  entities: d.list(d.object({ id: d.string, snapshots: d.withDefault(d.list(d.object({ time: anyTime, source: d.withDefault(d.string, 'recorded') })), []) })),
+});
+const kMaxRows = 500;
+
+/** The language of queries as it is: docs/query.md. */
+export function QueryPanel(props: { panel: Panel }) {
+  const query = () => props.panel.options.q ?? '';
+  const [text, setText] = createSignal(query());
+  const asked = createRequest(() => (query() === '' ? null : { group: query(), run: (signal: AbortSignal) => getJson('query', { q: query() }, answer, signal) }));
+  const rows = () => (asked.data()?.entities ?? []).flatMap((entity) => entity.snapshots.map((snapshot) => ({ id: entity.id, ...snapshot })));
+  const shownTime = (time: string) => (/^-?\d+$/.test(time) ? formatTime(BigInt(time)) : time);
+  return (
+    <PanelFrame panel={props.panel} icon="terminal" title="Query" isBusy={asked.isBusy()} error={asked.error()} onRetry={asked.retry}>
+      <form class="bar" onSubmit={(event) => { event.preventDefault(); setOption(props.panel, 'q', text().trim()); }}>
+        <input class="grow mono" aria-label="Query" spellcheck={false} placeholder="?ids Vision/RGB @ last:2s" value={text()} onInput={(event) => setText(event.currentTarget.value)} />
+        <button type="submit">Ask</button>
+      </form>
+      <Show when={asked.data()} fallback={<Show when={!asked.isBusy() && !asked.error()}><Empty title="Ask the memory">Names, then @ and a selector: latest, last:2s, T1..T2, +400ms. ?ids in front asks for IDs alone.</Empty></Show>}>
+        <div class="series-table" tabindex="0" role="region" aria-label="Answer">
+          <table>
+            <caption>{Math.min(kMaxRows, rows().length)} of {rows().length} snapshots</caption>
+            <thead><tr><th scope="col">entity</th><th scope="col">time</th><th scope="col">source</th></tr></thead>
+            <tbody><For each={rows().slice(0, kMaxRows)}>{(row) => (
+              <tr><th scope="row"><button onClick={() => follow(`${row.id}/${row.time}`)}>{row.id}</button></th><td>{shownTime(row.time)}</td><td><SourceTag source={row.source} /></td></tr>
+            )}</For></tbody>
+          </table>
+        </div>
+      </Show>
+    </PanelFrame>
+  );
+}

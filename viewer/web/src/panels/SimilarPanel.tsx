@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createEffect, createMemo, For, onCleanup, Show } from 'solid-js';
+import { getImage, getJson } from '../api/client';
+import { Turns } from '../api/turns';
+import { moment as momentDecoder, similar, type Similar } from '../api/types';
+import { createMembers } from '../state/moment';
+import { restCursor } from '../state/moving';
+import { createRequest } from '../state/request';
+import { info, last, setCursor, setMarks, setOption, setSelected, type Panel } from '../state/store';
+import { formatClock, formatDuration, formatTime } from '../time/format';
+import { Empty, PanelFrame } from '../ui/PanelFrame';
+import { Bitmap } from './images/PictureTile';
+
+const thumbnails = new Turns(3);
+const kCounts = ['6', '12', '24'];
+
+/** When it was like this before: the nearest moments, one of each recording. */
+export function SimilarPanel(props: { panel: Panel }) {
+  const entity = () => props.panel.entity;
+  const members = createMembers(entity);
+  const path = createMemo(() => members.data()?.find((member) => member.kind === 'image')?.path ?? '');
+  const count = () => (kCounts.includes(props.panel.options.k ?? '') ? props.panel.options.k! : '12');
+  const found = createRequest<Similar[]>(() => {
+    const at = restCursor();
+    const k = count();
+    if (!info() || at === 0n) return null;
+    // A future moment has no code; the last one that was seen has.
+    const time = at > last() ? last() : at;
+    return {
+      group: `${entity()} ${k}`,
+      run: async (signal) => {
+        const here = await getJson('moment', { entity: entity(), at: time }, momentDecoder, signal);
+        return (await getJson('similar', { id: here.id, k, one_per: 'recording' }, similar, signal)).found;
+      },
+    };
+  });
+  createEffect(() => setMarks((found.data() ?? []).map((one) => one.time)));
+  onCleanup(() => setMarks([]));
+  return (
+    <PanelFrame panel={props.panel} icon="sparkles" title="Similar moments" isBusy={found.isBusy()} error={found.error()} onRetry={found.retry}
+      actions={<label class="field">show<select aria-label="How many" onChange={(event) => setOption(props.panel, 'k', event.currentTarget.value)}><For each={kCounts}>{(k) => <option selected={k === count()}>{k}</option>}</For></select></label>}>
+      <Show when={found.data()} fallback={<Show when={!found.error()}><div class="thumbs"><For each={[1, 2, 3, 4, 5, 6]}>{() => <div class="skeleton square" />}</For></div></Show>}>
+        {(list) => (
+          <Show when={list().length > 0} fallback={<Empty title="Nothing like it was found">A night makes the codes that moments are compared by: run engram consolidate.</Empty>}>
+            <ul class="thumbs">
+              <For each={list()}>{(one) => (
+                <li><button class="thumb" title={formatTime(one.time)} aria-label={`Go to ${formatTime(one.time)}, distance ${one.distance.toFixed(2)}`} onClick={() => { setSelected(entity()); setCursor(one.time); }}>
+                  <Thumb id={one.id} path={path()} />
+                  <span class="thumb-text"><b>{one.distance.toFixed(2)}</b> {formatClock(one.time, 1)}<span class="muted">{away(one.time)}</span></span>
+                </button></li>
+              )}</For>
+            </ul>
+          </Show>
+        )}
+      </Show>
+    </PanelFrame>
+  );
+}
+
+function away(time: bigint): string {
+  const from = restCursor();
+  return time > from ? `${formatDuration(time - from)} later` : `${formatDuration(from - time)} ago`;
+}
+
+function Thumb(props: { id: string; path: string }) {
+  const picture = createRequest(() => (props.path === '' ? null : {
+    group: `${props.id} ${props.path}`,
+    run: (signal: AbortSignal) => thumbnails.run(() => getImage({ id: props.id, path: props.path, form: 'any', as: 'jpeg', quality: 80 }, signal), signal),
+  }));
+  return (
+    <span class="thumb-picture">
+      <Show when={picture.data()} fallback={<span class="muted">{picture.error() ? 'no image' : ''}</span>}>{(shown) => <Bitmap bitmap={shown().bitmap} label="" />}</Show>
+    </span>
+  );
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createEffect, Show } from 'solid-js';
+import { formatBytes, formatClock } from '../../time/format';
+import { SourceTag } from '../../ui/SourceTag';
+import type { Tile } from './load';
+
+/** Draws a bitmap at its own size; the style sheet scales it without smoothing. */
+export function Bitmap(props: { bitmap: ImageBitmap; label: string }) {
+  let canvas!: HTMLCanvasElement;
+  createEffect(() => {
+    const { bitmap } = props;
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
+    canvas.getContext('2d')!.drawImage(bitmap, 0, 0);
+  });
+  return <canvas ref={canvas} class="picture" role="img" aria-label={props.label} />;
+}
+
+/** What a picture is and how good it is, in a line or two. */
+export function captionOf(tile: Tile): string {
+  const picture = tile.picture;
+  if (!picture) return tile.title;
+  const parts = [
+    picture.psnr !== undefined && picture.source !== 'recorded' ? `${picture.psnr.toFixed(1)} dB` : '',
+    picture.bytes !== undefined ? formatBytes(picture.bytes) : '',
+    picture.gain !== undefined ? `gain ${picture.gain}` : '',
+    picture.expectedError !== undefined ? `expected error ${picture.expectedError.toPrecision(2)}` : '',
+    picture.bound !== undefined ? `bound ${picture.bound.toPrecision(2)}` : '',
+    picture.model && picture.source !== 'recorded' ? picture.model : '',
+  ];
+  return parts.filter((part) => part !== '').join(' · ');
+}
+
+export function PictureTile(props: { tile: Tile }) {
+  return (
+    <figure class="tile">
+      <div class="tile-picture">
+        <Show when={props.tile.picture} fallback={<p class="missing">{props.tile.missing}</p>}>
+          {(picture) => <Bitmap bitmap={picture().bitmap} label={`${props.tile.title}: ${captionOf(props.tile)}`} />}
+        </Show>
+      </div>
+      <figcaption>
+        <span class="tile-head"><strong>{props.tile.title}</strong><Show when={props.tile.picture && props.tile.picture.source !== 'error'}><SourceTag source={props.tile.picture!.source} /></Show></span>
+        <span class="muted">{props.tile.picture ? captionOf(props.tile) : ''}<Show when={props.tile.time !== undefined && !captionOf(props.tile)}>{formatClock(props.tile.time!)}</Show></span>
+      </figcaption>
+    </figure>
+  );
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which pictures belong to a moment, and their loading: all of one moment together, so that what is
+// side by side is of one time.
+import { getImage, getJson, type Picture } from '../../api/client';
+import { moment as momentDecoder, type Moment } from '../../api/types';
+import { messageOf } from '../../state/request';
+
+export interface Tile {
+  readonly title: string;
+  readonly picture?: Picture;
+  /** Why there is none. */
+  readonly missing?: string;
+  readonly time?: bigint;
+}
+
+interface Wanted {
+  readonly title: string;
+  readonly time: bigint;
+  readonly form: string;
+  readonly as: string;
+  readonly extra?: Record<string, string | bigint>;
+}
+
+export interface Asked {
+  readonly entity: string;
+  readonly path: string;
+  readonly instance: number;
+  readonly isMoving: boolean;
+}
+
+async function one(asked: Asked, wanted: Wanted, signal: AbortSignal): Promise<Tile> {
+  const params = { id: `${asked.entity}/${wanted.time}/${asked.instance}`, path: asked.path, form: wanted.form, as: wanted.as, quality: wanted.as === 'jpeg' ? 92 : undefined, ...wanted.extra };
+  try {
+    return { title: wanted.title, time: wanted.time, picture: await getImage(params, signal) };
+  } catch (error) {
+    if (signal.aborted) throw error;
+    return { title: wanted.title, time: wanted.time, missing: messageOf(error) };
+  }
+}
+
+const still = (asked: Asked): string => (asked.isMoving ? 'jpeg' : 'png');
+
+/** Recorded, reconstructed and where they differ; or what is predicted beside the last that was seen. */
+export async function loadTiles(asked: Asked, here: Moment, signal: AbortSignal): Promise<Tile[]> {
+  const wanted: Wanted[] =
+    here.source === 'predicted'
+      ? [
+          ...(here.from !== undefined ? [{ title: 'Last seen', time: here.from, form: 'any', as: still(asked) }] : []),
+          { title: 'Predicted', time: here.time, form: 'predicted', as: still(asked), extra: { ...(here.from !== undefined ? { from: here.from } : {}), ...(here.horizon !== undefined ? { horizon: here.horizon } : {}) } },
+        ]
+      : [
+          { title: 'Recorded', time: here.time, form: 'recorded', as: still(asked) },
+          { title: 'Reconstructed', time: here.time, form: 'latent', as: still(asked) },
+          { title: 'Error map', time: here.time, form: 'error', as: 'png' },
+        ];
+  return Promise.all(wanted.map((want) => one(asked, want, signal)));
+}
+
+/** What is predicted from a past moment, beside what really came. */
+export async function loadForesight(asked: Asked, here: Moment, horizon: bigint, signal: AbortSignal): Promise<Tile[]> {
+  const came = getJson('moment', { entity: asked.entity, at: here.time + horizon, which: 'nearest' }, momentDecoder, signal);
+  const [now, predicted, later] = await Promise.all([
+    one(asked, { title: 'From here', time: here.time, form: 'any', as: still(asked) }, signal),
+    one(asked, { title: 'Predicted', time: here.time + horizon, form: 'predicted', as: still(asked), extra: { from: here.time, horizon } }, signal),
+    came.then((then): Promise<Tile> | Tile => one(asked, { title: 'What came', time: then.time, form: 'any', as: still(asked) }, signal), (error: unknown) => ({ title: 'What came', missing: messageOf(error) })),
+  ]);
+  return [now, predicted, later];
+}

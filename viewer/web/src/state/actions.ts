@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+// What buttons and keys do. Both call the same functions.
+import { getJson } from '../api/client';
+import { moment, step } from '../api/types';
+import { formatTime } from '../time/format';
+import { zoom, type Span } from '../time/span';
+import { parseId, queryNames } from './ids';
+import { currentState, cursor, info, last, limits, nodeOf, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
+import { messageOf } from './request';
+import { encodeState } from './url';
+
+/** Copies a text and says so; where the browser forbids it, the text is shown instead. */
+export async function copy(text: string, what: string): Promise<void> {
+  try {
+    await navigator.clipboard.writeText(text);
+    say(`Copied ${what}.`);
+  } catch {
+    say(`The browser does not allow copying; ${what}: ${text}`);
+  }
+}
+
+let stepping = false;
+
+/** Goes to the snapshot of the chosen entity `by` snapshots away. */
+export async function stepBy(by: number): Promise<void> {
+  const entity = selected();
+  if (entity === '' || stepping) return;
+  stepping = true;
+  try {
+    // Past the last snapshot steps are of 100 ms, because there are no snapshots to step by.
+    if (cursor() > last() || (by > 0 && cursor() >= (nodeOf(entity)?.last ?? last()))) {
+      setCursor(cursor() + BigInt(by) * 100_000_000n);
+    } else setCursor((await getJson('step', { entity, at: cursor(), by }, step)).time);
+  } catch {
+    await stepSlowly(entity, by);
+  } finally {
+    stepping = false;
+  }
+}
+
+/** For gateways that know no /api/step: one neighbour after the other. */
+async function stepSlowly(entity: string, by: number): Promise<void> {
+  try {
+    let at: bigint | undefined = cursor();
+    for (let i = 0; i < Math.abs(by) && at !== undefined; ++i) {
+      const here: { previous?: bigint; next?: bigint } = await getJson('moment', { entity, at }, moment);
+      at = by > 0 ? here.next : here.previous;
+      if (at !== undefined) setCursor(at);
+    }
+  } catch (error) {
+    say(messageOf(error));
+  }
+}
+
+export const zoomBy = (factor: number): void => {
+  const here = view();
+  const share = Number(cursor() - here.from) / Number(here.to - here.from);
+  setView(zoom(here, (share >= 0 && share <= 1 ? share : 0.5) * 1000, 1000, factor, limits()));
+};
+
+export const showAll = (): void => setView(limits());
+export const goFirst = (): void => setCursor(info()?.first ?? 0n);
+export const goLast = (): void => setCursor(last());
+export const goFuture = (): void => setCursor(last() + 400_000_000n);
+
+/** Follows a link: chooses the entity, and goes to its time if it has one. */
+export function follow(id: string): void {
+  const parts = parseId(id);
+  setSelected(parts.entity);
+  if (parts.time !== undefined) setCursor(parts.time);
+}
+
+export function selectSpan(span: Span | null): void {
+  setSelection(span && span.to < span.from ? { from: span.to, to: span.from } : span);
+}
+
+/** Begins or ends the selection at the cursor. */
+export function selectFrom(edge: 'from' | 'to'): void {
+  const here = selection() ?? view();
+  const next = { ...here, [edge]: cursor() };
+  if (next.to > next.from) selectSpan(next);
+  else selectSpan(edge === 'from' ? { from: cursor(), to: view().to > cursor() ? view().to : cursor() + 1n } : { from: view().from < cursor() ? view().from : cursor() - 1n, to: cursor() });
+}
+
+const quote = (text: string): string => `'${text.replace(/'/g, `'\\''`)}'`;
+const storeName = (): string => { const store = info()?.stores[0]; return quote(store?.path ?? store?.name ?? 'STORE').replace(/^'([\w./-]+)'$/, '$1'); };
+
+/** The query of the chosen entity (or everything) in the selection. */
+export function selectionQuery(): string {
+  const span = selection() ?? view();
+  const names = selected() === '' ? roots().map((root) => queryNames(root.id)).join('|') : queryNames(selected());
+  return `${names} @ ${formatTime(span.from)}..${formatTime(span.to)}`;
+}
+
+export const exportCommand = (): string => `engram export ${storeName()} ${quote(selectionQuery())} --to jsonl -o exported`;
+export const copyExport = (): Promise<void> => copy(exportCommand(), 'the command of the export');
+export const copyLink = (): Promise<void> => copy(`${location.origin}${location.pathname}${encodeState(currentState())}`, 'a link to this view');
+
+export const momentQuery = (entity: string, time: bigint): string => `${queryNames(entity)} @ ${formatTime(time)}`;
+
+export function pythonLine(entity: string, time: bigint, path = ''): string {
+  const store = JSON.stringify(info()?.stores[0]?.path ?? info()?.stores[0]?.name ?? 'STORE');
+  const value = path.replace(/(^|\.)([^.[\]]+)/g, (_, __, key: string) => `[${JSON.stringify(key)}]`);
+  return `engram.open(${store})[${JSON.stringify(entity)}].at(${time}).value${value}`;
+}

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Follows a server as it records. Frames of commits move the end of time; nothing is asked for them
+// but what is on the screen.
+import { createEffect, createSignal, on, onCleanup } from 'solid-js';
+import { liveFrame } from '../api/types';
+import { parseId } from './ids';
+import { cursor, info, last, say, setCursor, setLiveLast } from './store';
+
+export const [isFollowing, setFollowing] = createSignal(false);
+export const [isConnected, setConnected] = createSignal(false);
+
+/** The newest time that a frame tells, or undefined. */
+export function newestOf(text: string): { newest?: bigint; dropped: number } {
+  let frame;
+  try {
+    frame = liveFrame(JSON.parse(text), '');
+  } catch {
+    return { dropped: 0 }; // A frame that cannot be read changes nothing.
+  }
+  if (frame.kind === 'dropped') return { dropped: frame.count };
+  let newest: bigint | undefined;
+  for (const id of frame.ids) {
+    const { time } = parseId(id);
+    if (time !== undefined && (newest === undefined || time > newest)) newest = time;
+  }
+  return { newest, dropped: 0 };
+}
+
+/** Call once, below a root of Solid. */
+export function watchLive(): void {
+  let expected: bigint | null = null;
+  createEffect(() => {
+    if (!info()?.is_live) return;
+    let socket: WebSocket | undefined;
+    let timer: ReturnType<typeof setTimeout> | undefined;
+    let pending: bigint | undefined;
+    let frame = 0;
+    const show = (): void => {
+      frame = 0;
+      if (pending === undefined || pending <= last()) return;
+      setLiveLast(pending);
+      if (isFollowing()) { expected = pending; setCursor(pending); }
+    };
+    const connect = (): void => {
+      socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/api/live`);
+      socket.onopen = () => setConnected(true);
+      socket.onclose = () => { setConnected(false); timer = setTimeout(connect, 2000); };
+      socket.onmessage = (event) => {
+        const { newest, dropped } = newestOf(String(event.data));
+        if (dropped > 0) say(`The gateway was too busy to tell of ${dropped} commits; the timeline shows them when it asks next.`);
+        if (newest !== undefined && (pending === undefined || newest > pending)) pending = newest;
+        frame ||= requestAnimationFrame(show);
+      };
+    };
+    connect();
+    setFollowing(true);
+    onCleanup(() => { clearTimeout(timer); cancelAnimationFrame(frame); if (socket) { socket.onclose = null; socket.close(); } });
+  });
+  // Who moves the cursor wants to look at something: following pauses.
+  createEffect(on(cursor, (at) => { if (isFollowing() && expected !== null && at !== expected) setFollowing(false); }, { defer: true }));
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+// From nothing to a usable view: what the memory is, what it holds, and which panels suit it.
+import { batch, createEffect, createSignal } from 'solid-js';
+import { getJson } from '../api/client';
+import { info as infoDecoder, treeLevel, type TreeNode } from '../api/types';
+import { membersOf } from './moment';
+import { messageOf } from './request';
+import { applyState, currentState, entities, info, limits, openPanel, selected, setCursor, setInfo, setRoots, setSelected, setView } from './store';
+import { decodeState, encodeState, type ViewState } from './url';
+
+export const [failure, setFailure] = createSignal('');
+export const [isReady, setReady] = createSignal(false);
+
+/** Levels that are asked for at once; deeper trees of larger memories come as they are opened. */
+const kDepth = 4;
+
+const hasImage = (node: TreeNode): boolean => node.kinds.includes('image');
+
+/** The panels that a stranger wants to see first. */
+async function suggestPanels(): Promise<void> {
+  const all = entities();
+  const busiest = (nodes: readonly TreeNode[]) => [...nodes].sort((a, b) => b.snapshots - a.snapshots)[0];
+  const camera = busiest(all.filter(hasImage));
+  const moving = [...all].filter((node) => !hasImage(node) && node.kinds.includes('number') && node.snapshots > 1).sort((a, b) => b.snapshots - a.snapshots).slice(0, 2);
+  if (selected() === '') setSelected(camera?.id ?? moving[0]?.id ?? all[0]?.id ?? '');
+  if (camera) openPanel('images', camera.id);
+  for (const node of moving) {
+    const members = await membersOf(node.id).catch(() => []);
+    const numbers = members.filter((member) => member.kind === 'number').map((member) => member.path);
+    if (numbers.length > 0) openPanel('plot', node.id, numbers.slice(0, numbers.length > 8 ? 5 : 3));
+  }
+  openPanel('inspector', '');
+  if (camera) openPanel('similar', camera.id);
+}
+
+export async function start(): Promise<void> {
+  setFailure('');
+  try {
+    const [known, tree] = await Promise.all([getJson('info', {}, infoDecoder), getJson('tree', { under: '', depth: kDepth }, treeLevel)]);
+    const state: ViewState = decodeState(location.hash);
+    batch(() => {
+      setInfo(known);
+      setRoots(tree.children);
+      setView(limits());
+      setCursor(known.last, false);
+      applyState(state);
+    });
+    setReady(true);
+    document.title = `${known.stores[0]?.name ?? 'Engram'} – Engram viewer`;
+    if (!state.panels) await suggestPanels();
+  } catch (error) {
+    setFailure(messageOf(error));
+  }
+}
+
+/** Keeps the address as the view is; replaced, not added, so that "back" leaves the page. */
+export function watchAddress(): void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let mine = '';
+  createEffect(() => {
+    if (!isReady()) return;
+    const hash = encodeState(currentState());
+    clearTimeout(timer);
+    // Browsers allow some 200 changes of the address in 30 s.
+    timer = setTimeout(() => { mine = hash; history.replaceState(null, '', hash); }, 180);
+  });
+  addEventListener('hashchange', () => { if (location.hash !== mine && info()) applyState(decodeState(location.hash)); });
+}

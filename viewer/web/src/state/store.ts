@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the person looks at: one cursor for everything, one stretch of time, one chosen entity.
+// Panels read these signals; only the functions here write them.
+import { batch, createMemo, createSignal } from 'solid-js';
+import type { Info, TreeNode } from '../api/types';
+import { clampTime, limitsOf, showing, within, type Span } from '../time/span';
+import type { PanelKind, PanelState, ViewState } from './url';
+
+export interface Panel extends PanelState {
+  /** Names the panel while the page lives, whatever its place. */
+  readonly key: number;
+}
+
+const kNoSpan: Span = { from: 0n, to: 1_000_000_000n };
+
+const [info, setInfo] = createSignal<Info>();
+const [roots, setRoots] = createSignal<TreeNode[]>([]);
+const [view, setViewSignal] = createSignal<Span>(kNoSpan);
+const [cursor, setCursorSignal] = createSignal(0n);
+const [hover, setHover] = createSignal<bigint | null>(null);
+const [selection, setSelection] = createSignal<Span | null>(null);
+const [selected, setSelected] = createSignal('');
+const [collapsed, setCollapsed] = createSignal<ReadonlySet<string>>(new Set());
+const [panels, setPanels] = createSignal<readonly Panel[]>([]);
+const [marks, setMarks] = createSignal<readonly bigint[]>([]);
+const [liveLast, setLiveLast] = createSignal<bigint | null>(null);
+const [notice, setNotice] = createSignal('');
+
+export { collapsed, cursor, hover, info, liveLast, marks, notice, panels, roots, selected, selection, setHover, setInfo, setLiveLast, setMarks, setRoots, setSelected, setSelection, view };
+
+/** The time of the last snapshot of the memory: behind it everything is prediction. */
+export const last = createMemo(() => {
+  const told = info()?.last ?? kNoSpan.to;
+  const live = liveLast();
+  return live !== null && live > told ? live : told;
+});
+
+export const limits = createMemo<Span>(() => {
+  const known = info();
+  return known ? limitsOf(known.first, last(), known.max_horizon_ns) : kNoSpan;
+});
+
+export const isFuture = createMemo(() => cursor() > last());
+
+export const setView = (next: Span): void => { setViewSignal(within(next, limits())); };
+
+/** Moves the pinned cursor; `reveal` brings it onto the screen. */
+export function setCursor(time: bigint, reveal = true): void {
+  batch(() => {
+    const at = clampTime(time, limits());
+    setCursorSignal(at);
+    if (reveal) setViewSignal(showing(view(), at, limits()));
+  });
+}
+
+export function toggleCollapsed(id: string): void {
+  const next = new Set(collapsed());
+  if (!next.delete(id)) next.add(id);
+  setCollapsed(next);
+}
+
+const index = createMemo(() => {
+  const all = new Map<string, TreeNode>();
+  const visit = (node: TreeNode): void => {
+    all.set(node.id, node);
+    node.children?.forEach(visit);
+  };
+  roots().forEach(visit);
+  return all;
+});
+
+export const nodeOf = (id: string): TreeNode | undefined => index().get(id);
+export const entities = createMemo(() => [...index().values()].filter((node) => node.level === 'entity'));
+
+/** Puts children that were asked for later into the tree. */
+export function setChildren(id: string, children: TreeNode[]): void {
+  const replace = (node: TreeNode): TreeNode =>
+    node.id === id ? { ...node, children } : node.children ? { ...node, children: node.children.map(replace) } : node;
+  setRoots(roots().map(replace));
+}
+
+let nextKey = 1;
+
+export function openPanel(kind: PanelKind, entity: string, paths: readonly string[] = [], options: Record<string, string> = {}): Panel {
+  const there = panels().find((panel) => panel.kind === kind && panel.entity === entity && paths.every((path) => panel.paths.includes(path)));
+  if (there) return there;
+  const panel = { key: nextKey++, kind, entity, paths, options };
+  setPanels([...panels(), panel]);
+  return panel;
+}
+
+export const closePanel = (key: number): void => { setPanels(panels().filter((panel) => panel.key !== key)); };
+
+export function updatePanel(key: number, change: Partial<PanelState>): void {
+  setPanels(panels().map((panel) => (panel.key === key ? { ...panel, ...change } : panel)));
+}
+
+export const setOption = (panel: Panel, key: string, value: string): void => updatePanel(panel.key, { options: { ...panel.options, [key]: value } });
+
+/** Moves a panel before or behind another one. */
+export function movePanel(key: number, by: number): void {
+  const next = [...panels()];
+  const from = next.findIndex((panel) => panel.key === key);
+  const to = Math.max(0, Math.min(next.length - 1, from + by));
+  const [moved] = next.splice(from, 1);
+  if (moved) next.splice(to, 0, moved);
+  setPanels(next);
+}
+
+let noticeTimer: ReturnType<typeof setTimeout> | undefined;
+
+/** Says something for some seconds, at the foot of the page and to screen readers. */
+export function say(text: string): void {
+  clearTimeout(noticeTimer);
+  setNotice(text);
+  noticeTimer = setTimeout(() => setNotice(''), 5000);
+}
+
+export const currentState = (): ViewState => ({
+  cursor: cursor(), view: view(), ...(selection() ? { selection: selection()! } : {}), selected: selected(), collapsed: [...collapsed()],
+  panels: panels().map(({ kind, entity, paths, options }) => ({ kind, entity, paths, options })),
+});
+
+export function applyState(state: ViewState): void {
+  batch(() => {
+    if (state.view) setView(state.view);
+    if (state.cursor !== undefined) setCursor(state.cursor, false);
+    setSelection(state.selection ?? null);
+    if (state.selected !== undefined) setSelected(state.selected);
+    if (state.collapsed) setCollapsed(new Set(state.collapsed));
+    if (state.panels) setPanels(state.panels.map((panel) => ({ ...panel, key: nextKey++ })));
+  });
+}

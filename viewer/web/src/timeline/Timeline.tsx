@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+import { createEffect, createMemo, createSignal, For, onCleanup, onMount, Show } from 'solid-js';
+import { getJson } from '../api/client';
+import { treeLevel } from '../api/types';
+import { copyExport, selectSpan } from '../state/actions';
+import { selectedLinks } from '../state/links';
+import { parseId } from '../state/ids';
+import { messageOf } from '../state/request';
+import { collapsed, cursor, hover, info, last, limits, liveLast, marks, roots, say, selected, selection, setChildren, setCursor, setHover, setSelected, setView, toggleCollapsed, view } from '../state/store';
+import { formatDuration, formatTime } from '../time/format';
+import { lengthOf, pan, timeAt, zoom } from '../time/span';
+import { IconButton } from '../ui/Icon';
+import { createSize, perFrame } from '../ui/size';
+import { sized, theme } from '../ui/theme';
+import { download } from '../ui/download';
+import { createDensity, wider } from './density';
+import { drawLanes } from './draw';
+import { listen } from './gestures';
+import { kRowHeight, rowsOf, visibleRows, type Row } from './layout';
+import { Minimap } from './Minimap';
+import { Names } from './Names';
+import { drawOverlay, kAxisHeight } from './overlay';
+
+/** Collapses or opens a level, and asks for its children if nobody did yet. */
+export async function toggleRow(row: Row): Promise<void> {
+  if (row.isEntity) return;
+  if (row.node.children !== undefined) return toggleCollapsed(row.id);
+  try {
+    setChildren(row.id, (await getJson('tree', { under: row.id }, treeLevel)).children);
+  } catch (error) {
+    say(messageOf(error));
+  }
+}
+
+export function Timeline() {
+  const [area, areaRef] = createSize();
+  const [scrollTop, setScrollTop] = createSignal(0);
+  let scroller!: HTMLDivElement;
+  let lanesCanvas!: HTMLCanvasElement;
+  let overlayCanvas!: HTMLCanvasElement;
+  let surface!: HTMLDivElement;
+
+  const rows = createMemo(() => rowsOf(roots(), collapsed()));
+  const lanesHeight = () => Math.max(0, area().height - kAxisHeight);
+  const shown = createMemo(() => visibleRows(rows().length, scrollTop(), lanesHeight()));
+  const ids = createMemo(() => rows().slice(shown().first, shown().end).map((row) => row.id), [], { equals: (a, b) => a.join('\n') === b.join('\n') });
+  const density = createDensity(ids, () => wider(view()), () => area().width * 2, () => (liveLast() ?? 0n) / 1_000_000_000n);
+
+  const lanePlaces = createMemo(() => new Map(rows().map((row, i) => [row.id, i])));
+  const linkLines = () => {
+    const found = selectedLinks();
+    const place = (id: string) => lanePlaces().get(parseId(id).entity);
+    const y = (row: number) => kAxisHeight + (row + 0.5) * kRowHeight - scrollTop();
+    const mine = found ? place(found.id) : undefined;
+    const time = found ? parseId(found.id).time : undefined;
+    if (!found || mine === undefined || time === undefined) return [];
+    return found.ids.flatMap((id) => {
+      const row = place(id);
+      const to = parseId(id).time;
+      return row === undefined || to === undefined ? [] : [{ fromY: y(mine), toY: y(row), from: time, to }];
+    });
+  };
+
+  const paintLanes = perFrame(() => {
+    const { width } = area();
+    const height = lanesHeight();
+    if (width === 0) return;
+    drawLanes(sized(lanesCanvas, width, height), { rows: rows(), first: shown().first, scrollTop: scrollTop(), width, height, span: view(), last: last(), selected: selected(), densities: density.data() }, theme());
+  });
+  const paintOverlay = perFrame(() => {
+    const { width, height } = area();
+    if (width === 0) return;
+    drawOverlay(sized(overlayCanvas, width, height), { span: view(), width, height, cursor: cursor(), hover: hover(), selection: selection(), last: last(), marks: marks(), links: linkLines() }, theme());
+  });
+  createEffect(() => { area(); rows(); shown(); scrollTop(); view(); last(); selected(); density.data(); theme(); paintLanes(); });
+  createEffect(() => { area(); view(); cursor(); hover(); selection(); last(); marks(); selectedLinks(); rows(); scrollTop(); theme(); paintOverlay(); });
+
+  onMount(() => {
+    const time = (x: number) => timeAt(Math.max(0, Math.min(area().width, x)), view(), area().width);
+    onCleanup(listen(surface, {
+      zoom: (x, factor) => setView(zoom(view(), x, area().width, factor, limits())),
+      pan: (dx, dy) => {
+        if (dx !== 0) setView(pan(view(), dx, area().width, limits()));
+        scroller.scrollTop += dy;
+      },
+      hover: (x) => setHover(x === null ? null : time(x)),
+      pick: (x, y) => {
+        setCursor(time(x), false);
+        const row = rows()[Math.floor((y - kAxisHeight + scrollTop()) / kRowHeight)];
+        if (row?.isEntity) setSelected(row.id);
+      },
+      scrub: (x) => setCursor(time(x), false),
+      select: (from, to) => selectSpan({ from: time(from), to: time(to) }),
+      isScrubbing: (y) => y < kAxisHeight,
+    }));
+  });
+
+  const keepVisible = (index: number): void => {
+    const top = index * kRowHeight;
+    if (top < scroller.scrollTop) scroller.scrollTop = top;
+    else if (top + kRowHeight > scroller.scrollTop + lanesHeight()) scroller.scrollTop = top + kRowHeight - lanesHeight();
+  };
+  createEffect(() => { const place = lanePlaces().get(selected()); if (place !== undefined) keepVisible(place); });
+
+  const share = () => Math.round((Number(cursor() - limits().from) / Number(lengthOf(limits()))) * 1000) / 10;
+  const savePicture = () => {
+    const out = document.createElement('canvas');
+    const c = sized(out, area().width, area().height);
+    c.fillStyle = theme().panel;
+    c.fillRect(0, 0, area().width, area().height);
+    c.drawImage(lanesCanvas, 0, kAxisHeight, area().width, lanesHeight());
+    c.drawImage(overlayCanvas, 0, 0, area().width, area().height);
+    void download(out, 'timeline.png');
+  };
+
+  return (
+    <section class="timeline" aria-label="Timeline">
+      <div class="timeline-corner">
+        <span class="muted">{info() ? formatDuration(lengthOf(view())) : ''}</span>
+        <IconButton icon="download" label="Save the timeline as PNG" onClick={savePicture} />
+      </div>
+      <Minimap />
+      <div class="timeline-head muted"><span>{rows().filter((row) => row.isEntity).length} lanes</span><Legend /></div>
+      <div class="lanes" ref={scroller} onScroll={() => setScrollTop(scroller.scrollTop)}>
+        <Names rows={rows()} shown={shown()} onToggle={(row) => void toggleRow(row)} />
+      </div>
+      <div class="surface-wrap">
+        <div class="surface" ref={(element) => { surface = element; areaRef(element); }} tabindex="0" role="slider" aria-label="Cursor in time"
+          aria-valuemin="0" aria-valuemax="100" aria-valuenow={share()} aria-valuetext={formatTime(cursor())} data-testid="surface">
+          <canvas class="lanes-canvas" ref={lanesCanvas} aria-hidden="true" />
+          <canvas class="overlay-canvas" ref={overlayCanvas} aria-hidden="true" />
+        </div>
+        <Show when={density.error()}><p class="surface-error" role="alert">{density.error()} <button onClick={density.retry}>Try again</button></p></Show>
+        <Show when={selection()}>{(span) => (
+          <div class="selection-bar">
+            <span>{formatDuration(lengthOf(span()))} selected</span>
+            <button onClick={() => void copyExport()}>Copy engram export</button>
+            <button onClick={() => setView(span())}>Zoom</button>
+            <IconButton icon="x" label="Clear the selection" onClick={() => selectSpan(null)} />
+          </div>
+        )}</Show>
+      </div>
+    </section>
+  );
+}
+
+function Legend() {
+  return (
+    <span class="legend" aria-label="Colours of sources">
+      <For each={['recorded', 'latent', 'augmented', 'predicted'] as const}>{(source) => <span class={`key ${source}`}><i />{source}</span>}</For>
+    </span>
+  );
+}
