@@ -56,8 +56,7 @@ function series(query) {
       });
     }
   }
-  const unit = membersOf(entity).find((member) => member.path === paths[0])?.unit;
-  return binary(out, unit ? { 'X-Engram-Unit': encodeURIComponent(unit) } : {});
+  return binary(out);
 }
 
 function image(query) {
@@ -84,9 +83,9 @@ function image(query) {
   const recorded = paint(offset / 1e9);
   const latent = hasLatent ? reconstruct(recorded) : null;
   const kind = form === 'any' ? (hasRecorded ? 'recorded' : 'latent') : form;
-  Object.assign(headers, { ETag: `"${time}-${kind}"`, 'Cache-Control': 'private, max-age=31536000, immutable', 'X-Engram-Source': kind });
+  Object.assign(headers, { ETag: `"${time}-${kind}"`, 'Cache-Control': 'private, max-age=31536000, immutable', 'X-Engram-Source': kind === 'recorded' ? kind : 'reconstructed' });
   if (latent) Object.assign(headers, { 'X-Engram-Model': `${entity.kind}-0007`, 'X-Engram-PSNR': psnr(recorded, latent).toFixed(2) });
-  headers['X-Engram-Bytes'] = kind === 'latent' ? '412' : '19840';
+  if (kind !== 'error') headers['X-Engram-Bytes'] = kind === 'latent' ? '412' : '19840';
   if (kind === 'error') headers['X-Engram-Gain'] = '8';
   const pixels = kind === 'error' ? errorMap(recorded, latent, 8) : kind === 'latent' ? latent : recorded;
   return { type: 'image/png', body: png(128, 128, pixels), headers };

@@ -47,11 +47,12 @@ function instances(entity, offset, value, source) {
 export function snapshotAt(entity, index) {
   const offset = entity.times[index];
   const form = formOf(entity, offset);
-  const source = form === 2 ? 'augmented' : isRecorded(entity, offset) ? 'recorded' : entity.kind === 'depth' ? 'video' : 'latent';
+  const source = form === 2 ? 'augmented' : isRecorded(entity, offset) ? 'recorded' : 'reconstructed';
   const near = (i) => (i >= 0 && i < entity.times.length ? `${kStart + BigInt(entity.times[i])}` : null);
   return {
     id: `${entity.id}/${kStart + BigInt(offset)}`, entity: entity.id, time: `${kStart + BigInt(offset)}`, source,
-    ...(source === 'latent' ? { model: `${entity.kind}-0007`, expected_error: 0.0009, bound: 0.0021 } : {}),
+    forms: [...(isRecorded(entity, offset) ? ['recorded'] : []), ...(form === 1 ? ['latent'] : [])],
+    ...(source === 'reconstructed' ? { model: `${entity.kind}-0007`, expected_error: 0.0009, bound: 0.0021 } : {}),
     instances: instances(entity, offset, valueOf(entity, offset / 1e9, idAt), source),
     previous: near(index - 1), next: near(index + 1),
   };
@@ -88,7 +89,7 @@ export function momentAt(entity, at, which) {
 function linksIn(value, path, found) {
   if (value === null || typeof value !== 'object') return found;
   if (typeof value.$link === 'string') found.push({ path, id: value.$link });
-  else for (const [key, part] of Object.entries(value)) linksIn(part, path ? `${path}.${key}` : key, found);
+  else for (const [key, part] of Object.entries(value)) linksIn(part, path ? `${path}/${key}` : key, found);
   return found;
 }
 

@@ -3,7 +3,7 @@
 import { battery, carried, joint, kJoints, kThings, platform, reach, task, thing } from './motion.mjs';
 
 const array = (type, data) => ({ $ndarray: { type, shape: [data.length], data } });
-const image = (path, channels = 3) => ({ $image: { path, width: 128, height: 128, channels } });
+const image = (path, channels = 3) => ({ $image: { path, width: 128, height: 128, channels, dtype: channels === 1 ? 'uint16' : 'uint8' } });
 const link = (id) => ({ $link: id });
 const turn = (yaw) => array('float32', [Math.cos(yaw / 2), 0, 0, Math.sin(yaw / 2)]);
 const pose = (x, y, z, yaw) => ({ position: array('float32', [x, y, z]), orientation: turn(yaw) });
@@ -44,7 +44,7 @@ export function valueOf(entity, t, idAt) {
     case 'platform':
       return { x: base.x, y: base.y, heading: base.heading, frame_id: 'world' };
     case 'description':
-      return { name: 'robot', joints: kJoints, mass: 86.5, cloud: { $summary: { dtype: 'float32', shape: [6072, 3], min: -0.41, max: 1.72, mean: 0.58 } } };
+      return { name: 'robot', joints: kJoints, mass: 86.5, cloud: { $array: { dtype: 'float32', shape: [6072, 3], summary: { min: -0.41, max: 1.72, mean: 0.58 } } } };
     case 'thing': {
       const index = kThings.indexOf(entity.id.split('/')[3]);
       const at = thing(index, t);
@@ -90,7 +90,7 @@ export function valueOf(entity, t, idAt) {
 }
 
 const number = (path, unit, min, max) => ({ path, kind: 'number', shape: [], ...(unit ? { unit } : {}), ...(min !== undefined ? { min, max } : {}) });
-const poseMembers = (path) => [{ path, kind: 'pose', shape: [] }, ...[0, 1, 2].map((i) => number(`${path}.position[${i}]`, 'm')), ...[0, 1, 2, 3].map((i) => number(`${path}.orientation[${i}]`, ''))];
+const poseMembers = (path) => [{ path, kind: 'pose', shape: [] }, ...[0, 1, 2].map((i) => number(`${path}/position[${i}]`, 'm')), ...[0, 1, 2, 3].map((i) => number(`${path}/orientation[${i}]`, ''))];
 const other = (path, kind) => ({ path, kind, shape: [] });
 
 export function membersOf(entity) {
@@ -98,7 +98,7 @@ export function membersOf(entity) {
     case 'camera':
     case 'hand_camera':
       return [{ path: 'image', kind: 'image', shape: [128, 128, 3] }, ...poseMembers('pose_world_camera'), other('calibration', 'link'), other('joints', 'link'), other('platform', 'link'), number('exposure_ms', 'ms')];
-    case 'depth': return [{ path: 'image', kind: 'image', shape: [128, 128, 1], unit: 'mm' }, other('of', 'link')];
+    case 'depth': return [{ path: 'image', kind: 'depth', shape: [128, 128, 1], unit: 'mm' }, other('of', 'link')];
     case 'joints':
       return [...kJoints.map((name, i) => ({ ...number(`positions[${i}]`, 'rad', -3.15, 3.15), name })), ...kJoints.map((name, i) => ({ ...number(`velocities[${i}]`, 'rad/s'), name })), other('is_calibrated', 'bool')];
     case 'battery': return [number('voltage', 'V', 40, 56), number('current', 'A'), number('temperature', '°C'), other('is_charging', 'bool')];
@@ -107,7 +107,7 @@ export function membersOf(entity) {
     case 'speech':
     case 'utterance': return [other('text', 'text'), other('speaker', 'text')];
     case 'plan': return [other('goal', 'text'), other('steps', 'list'), other('command', 'link')];
-    case 'action': return [other('name', 'text'), number('outcome', ''), number('measured.distance', 'm'), number('measured.duration', 's'), other('plan', 'link'), other('object', 'link'), other('image', 'link'), other('joints', 'link')];
+    case 'action': return [other('name', 'text'), number('outcome', ''), number('measured/distance', 'm'), number('measured/duration', 's'), other('plan', 'link'), other('object', 'link'), other('image', 'link'), other('joints', 'link')];
     case 'calibration': return ['fx', 'fy', 'cx', 'cy', 'width', 'height'].map((path) => number(path, 'px'));
     case 'surface': return [...poseMembers('pose_world_surface'), ...[0, 1, 2].map((i) => number(`size[${i}]`, 'm'))];
     case 'class': return [other('name', 'text'), number('mass', 'kg')];
@@ -116,10 +116,10 @@ export function membersOf(entity) {
   }
 }
 
-/** The number at a path such as `pose.position[2]`, or NaN. */
+/** The number at a path such as `pose/position[2]`, or NaN. */
 export function numberAt(tree, path) {
   let value = tree;
-  for (const [, key, index] of path.matchAll(/([^.[\]]+)|\[(\d+)\]/g)) {
+  for (const [, key, index] of path.matchAll(/([^/[\]]+)|\[(\d+)\]/g)) {
     if (value === null || typeof value !== 'object') return NaN;
     value = key !== undefined ? value[key] : (value.$ndarray?.data ?? value)[Number(index)];
   }

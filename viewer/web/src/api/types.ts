@@ -2,17 +2,18 @@
 // What the gateway answers, as types and as the checks that make them.
 import * as d from './decode';
 
-export const kSources = ['recorded', 'latent', 'video', 'augmented', 'predicted'] as const;
+export const kSources = ['recorded', 'reconstructed', 'augmented', 'predicted'] as const;
 export type Source = (typeof kSources)[number];
 
 export const info = d.object({
   name: d.string,
   version: d.string,
   stores: d.list(d.object({ name: d.string, path: d.optional(d.string) })),
-  first: d.time,
-  last: d.time,
+  // Absent of a memory without snapshots.
+  first: d.withDefault(d.time, 0n),
+  last: d.withDefault(d.time, 1_000_000_000n),
   entities: d.number,
-  snapshots: d.number,
+  snapshots: d.withDefault(d.number, 0),
   is_live: d.withDefault(d.bool, false),
   max_horizon_ns: d.withDefault(d.time, 60_000_000_000n),
 });
@@ -54,6 +55,7 @@ export const member = d.object({
 });
 export type Member = d.Of<typeof member>;
 export const members = d.object({ members: d.list(member) });
+export const isImage = (kinds: string | readonly string[]): boolean => [kinds].flat().some((kind) => kind === 'image' || kind === 'depth');
 
 const memberError = d.object({
   path: d.string,
@@ -68,6 +70,8 @@ export const moment = d.object({
   source: d.string,
   engine: d.optional(d.string),
   model: d.optional(d.string),
+  /** The forms that this snapshot is kept in; absent where the gateway does not say. */
+  forms: d.optional(d.list(d.string)),
   from: d.optional(d.time),
   horizon: d.optional(d.time),
   expected_error: d.optional(d.number),
@@ -100,6 +104,7 @@ export const nights = d.object({
     latent_bytes: d.withDefault(d.number, 0),
     model_bytes: d.withDefault(d.number, 0),
     snapshots: d.withDefault(d.number, 0),
+    psnr_mean_over_images_db: d.optional(d.number),
     psnr: d.optional(d.object({ mean: d.optional(d.number), bins: d.withDefault(d.list(d.number), []), counts: d.withDefault(d.list(d.number), []) })),
   })),
   reflections: d.withDefault(d.list(d.anything), []),
@@ -110,4 +115,5 @@ export const liveFrame = d.object({
   kind: d.string,
   ids: d.withDefault(d.list(d.string), []),
   count: d.withDefault(d.number, 0),
+  message: d.withDefault(d.string, ''),
 });

@@ -72,12 +72,17 @@ function Facts(props: { moment: Moment }) {
 }
 
 function Chips(props: { links: Links }) {
+  const kFew = 6;
+  const [isAll, setAll] = createSignal(false);
   const any = () => props.links.to.length + props.links.from.length > 0;
+  const from = () => (isAll() ? props.links.from : props.links.from.slice(0, Math.max(0, kFew - props.links.to.length)));
+  const more = () => props.links.from.length - from().length;
   return (
     <Show when={any()}>
       <div class="chips" role="group" aria-label="Links of this snapshot">
         <For each={props.links.to}>{(link) => <LinkChip id={link.id} direction="to" path={link.path} />}</For>
-        <For each={props.links.from}>{(id) => <LinkChip id={id} direction="from" path="" />}</For>
+        <For each={from()}>{(id) => <LinkChip id={id} direction="from" path="" />}</For>
+        <Show when={more() > 0}><button class="chip" onClick={() => setAll(true)}>and {more()} more</button></Show>
       </div>
     </Show>
   );

@@ -34,7 +34,7 @@ export function NightsPanel(props: { panel: Panel }) {
                       <i class="recorded" style={{ width: `${(row.stored_bytes / most()) * 100}%` }} /><i class="latent" style={{ width: `${(row.latent_bytes / most()) * 100}%` }} /><i class="augmented" style={{ width: `${(row.model_bytes / most()) * 100}%` }} />
                     </span>
                   </td>
-                  <td><Show when={row.psnr} fallback=""><Histogram psnr={row.psnr!} /></Show></td>
+                  <td><Show when={row.psnr} fallback={row.psnr_mean_over_images_db === undefined ? '' : `${row.psnr_mean_over_images_db.toFixed(1)} dB`}><Histogram psnr={row.psnr!} /></Show></td>
                 </tr>
               )}</For></tbody>
             </table>

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createSignal, For, Show } from 'solid-js';
+import { createMemo, createSignal, For, Show } from 'solid-js';
 import { getJson } from '../api/client';
 import * as d from '../api/decode';
 import { follow } from '../state/actions';
+import { parseId } from '../state/ids';
 import { createRequest } from '../state/request';
 import { setOption, type Panel } from '../state/store';
 import { formatTime } from '../time/format';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
 import { SourceTag } from '../ui/SourceTag';
 
-/** A time of the answer: nanoseconds as text or number, or as Engram prints it. */
-const anyTime: d.Decoder<string> = (value, path) => (typeof value === 'number' ? String(value) : d.string(value, path));
+// Times come as numbers there, which JavaScript cannot hold; the IDs have them as text.
 const answer = d.object({
-  entities: d.list(d.object({ id: d.string, snapshots: d.withDefault(d.list(d.object({ time: anyTime, source: d.withDefault(d.string, 'recorded') })), []) })),
+  /** With `?ids` in front. */
+  ids: d.withDefault(d.list(d.string), []),
+  entities: d.withDefault(d.list(d.object({ id: d.string, snapshots: d.withDefault(d.list(d.object({ id: d.string, source: d.withDefault(d.string, '') })), []) })), []),
 });
 const kMaxRows = 500;
 
@@ -21,8 +23,10 @@ export function QueryPanel(props: { panel: Panel }) {
   const query = () => props.panel.options.q ?? '';
   const [text, setText] = createSignal(query());
   const asked = createRequest(() => (query() === '' ? null : { group: query(), run: (signal: AbortSignal) => getJson('query', { q: query() }, answer, signal) }));
-  const rows = () => (asked.data()?.entities ?? []).flatMap((entity) => entity.snapshots.map((snapshot) => ({ id: entity.id, ...snapshot })));
-  const shownTime = (time: string) => (/^-?\d+$/.test(time) ? formatTime(BigInt(time)) : time);
+  const rows = createMemo(() => [
+    ...(asked.data()?.entities ?? []).flatMap((entity) => entity.snapshots),
+    ...(asked.data()?.ids ?? []).map((id) => ({ id, source: '' })),
+  ].map((row) => ({ ...row, ...parseId(row.id) })));
   return (
     <PanelFrame panel={props.panel} icon="terminal" title="Query" isBusy={asked.isBusy()} error={asked.error()} onRetry={asked.retry}>
       <form class="bar" onSubmit={(event) => { event.preventDefault(); setOption(props.panel, 'q', text().trim()); }}>
@@ -35,7 +39,7 @@ export function QueryPanel(props: { panel: Panel }) {
             <caption>{Math.min(kMaxRows, rows().length)} of {rows().length} snapshots</caption>
             <thead><tr><th scope="col">entity</th><th scope="col">time</th><th scope="col">source</th></tr></thead>
             <tbody><For each={rows().slice(0, kMaxRows)}>{(row) => (
-              <tr><th scope="row"><button onClick={() => follow(`${row.id}/${row.time}`)}>{row.id}</button></th><td>{shownTime(row.time)}</td><td><SourceTag source={row.source} /></td></tr>
+              <tr><th scope="row"><button onClick={() => follow(row.id)}>{row.entity}</button></th><td>{row.time === undefined ? '' : formatTime(row.time)}</td><td><Show when={row.source}><SourceTag source={row.source} /></Show></td></tr>
             )}</For></tbody>
           </table>
         </div>

@@ -2,7 +2,7 @@
 import { createEffect, createMemo, For, onCleanup, Show } from 'solid-js';
 import { getImage, getJson } from '../api/client';
 import { Turns } from '../api/turns';
-import { moment as momentDecoder, similar, type Similar } from '../api/types';
+import { isImage, moment as momentDecoder, similar, type Similar } from '../api/types';
 import { createMembers } from '../state/moment';
 import { restCursor } from '../state/moving';
 import { createRequest } from '../state/request';
@@ -18,7 +18,7 @@ const kCounts = ['6', '12', '24'];
 export function SimilarPanel(props: { panel: Panel }) {
   const entity = () => props.panel.entity;
   const members = createMembers(entity);
-  const path = createMemo(() => members.data()?.find((member) => member.kind === 'image')?.path ?? '');
+  const path = createMemo(() => members.data()?.find((member) => isImage(member.kind))?.path);
   const count = () => (kCounts.includes(props.panel.options.k ?? '') ? props.panel.options.k! : '12');
   const found = createRequest<Similar[]>(() => {
     const at = restCursor();
@@ -46,7 +46,7 @@ export function SimilarPanel(props: { panel: Panel }) {
               <For each={list()}>{(one) => (
                 <li><button class="thumb" title={formatTime(one.time)} aria-label={`Go to ${formatTime(one.time)}, distance ${one.distance.toFixed(2)}`} onClick={() => { setSelected(entity()); setCursor(one.time); }}>
                   <Thumb id={one.id} path={path()} />
-                  <span class="thumb-text"><b>{one.distance.toFixed(2)}</b> {formatClock(one.time, 1)}<span class="muted">{away(one.time)}</span></span>
+                  <span class="thumb-text"><b title="Distance: 0 is equal, 1 as different as any two moments">{one.distance.toFixed(2)}</b><span>{formatClock(one.time, 1)}</span><span class="muted">{away(one.time)}</span></span>
                 </button></li>
               )}</For>
             </ul>
@@ -62,8 +62,8 @@ function away(time: bigint): string {
   return time > from ? `${formatDuration(time - from)} later` : `${formatDuration(from - time)} ago`;
 }
 
-function Thumb(props: { id: string; path: string }) {
-  const picture = createRequest(() => (props.path === '' ? null : {
+function Thumb(props: { id: string; path: string | undefined }) {
+  const picture = createRequest(() => (props.path === undefined ? null : {
     group: `${props.id} ${props.path}`,
     run: (signal: AbortSignal) => thumbnails.run(() => getImage({ id: props.id, path: props.path, form: 'any', as: 'jpeg', quality: 80 }, signal), signal),
   }));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // IDF trees in the JSON form of the contract: what a value is, how it is written, where a path leads.
+import { joinPath, parsePath } from '../state/paths';
 import { formatNumber } from '../time/format';
 
 export type Kind = 'none' | 'bool' | 'number' | 'text' | 'array' | 'summary' | 'image' | 'link' | 'list' | 'dict';
@@ -17,13 +18,6 @@ export interface Value {
 type Dict = Record<string, unknown>;
 const isDict = (value: unknown): value is Dict => typeof value === 'object' && value !== null && !Array.isArray(value);
 
-/** The payload of a dict such as {"$ndarray": ...}; both spellings of the contract are read. */
-function tagged(value: unknown, name: string): unknown {
-  if (!isDict(value)) return undefined;
-  const keys = Object.keys(value);
-  return keys.length === 1 && (keys[0] === `$${name}` || keys[0] === name) ? value[keys[0]] : undefined;
-}
-
 const shapeText = (shape: unknown): string => (Array.isArray(shape) ? `[${shape.map(String).join(' x ')}]` : '[?]');
 const plain = (kind: Kind, type: string, text: string): Value => ({ kind, type, text, children: [] });
 const shorten = (text: string): string => (text.length > 400 ? `${text.slice(0, 400)}...` : text);
@@ -38,20 +32,39 @@ function numberOf(value: unknown): number | undefined {
   return undefined;
 }
 
+/** `[1,2]` for element 5 of shape [2, 3]. */
+function indexText(element: number, shape: readonly number[]): string {
+  const indices: number[] = [];
+  let rest = element;
+  for (const size of [...shape].reverse()) {
+    indices.unshift(rest % size);
+    rest = Math.floor(rest / size);
+  }
+  return `[${indices.join(',')}]`;
+}
+
+const shapeOf = (value: Dict, count: number): number[] =>
+  Array.isArray(value.shape) && value.shape.every((size) => Number.isInteger(size) && (size as number) > 0) ? (value.shape as number[]) : [count];
+
 function arrayOf(value: Dict, path: string): Value {
   const type = `${typeof value.type === 'string' ? value.type : value.dtype ?? 'ndarray'} ${shapeText(value.shape)}`;
   const data = Array.isArray(value.data) ? value.data : null;
-  if (!data) return plain('summary', type, 'values are not sent');
+  if (!data) return plain('summary', type, 'too many to send');
+  const shape = shapeOf(value, data.length);
   const text = data.slice(0, 6).map((part) => (typeof part === 'number' ? formatNumber(part) : String(part))).join(', ');
-  return { kind: 'array', type, text: data.length > 6 ? `${text}, ...` : text, children: data.map((part, i) => ({ key: `[${i}]`, path: `${path}[${i}]`, value: part })) };
+  return {
+    kind: 'array', type, text: data.length > 6 ? `${text}, ...` : text,
+    children: data.map((part, i) => ({ key: indexText(i, shape), path: path + indexText(i, shape), value: part })),
+  };
 }
 
-/** `{shape, dtype, summary}` of the contract, or the same below `$summary`. */
+/** What is sent of arrays of more than 64 numbers. */
 function summaryOf(value: Dict): Value | undefined {
-  const inner = isDict(value.$summary) ? value.$summary : isDict(value.summary) && 'shape' in value ? { ...value, ...value.summary } : undefined;
-  if (!inner) return undefined;
-  const told = ['min', 'max', 'mean'].filter((name) => typeof inner[name] === 'number').map((name) => `${name} ${formatNumber(inner[name] as number)}`);
-  return plain('summary', `${typeof inner.dtype === 'string' ? inner.dtype : 'ndarray'} ${shapeText(inner.shape)}`, told.join(', '));
+  const array = value.$array;
+  if (!isDict(array)) return undefined;
+  const summary = isDict(array.summary) ? array.summary : {};
+  const told = ['min', 'max', 'mean'].filter((name) => typeof summary[name] === 'number').map((name) => `${name} ${formatNumber(summary[name] as number)}`);
+  return plain('summary', `${typeof array.dtype === 'string' ? array.dtype : 'ndarray'} ${shapeText(array.shape)}`, told.join(', '));
 }
 
 export function describe(value: unknown, path: string): Value {
@@ -59,12 +72,12 @@ export function describe(value: unknown, path: string): Value {
   if (typeof value === 'boolean') return plain('bool', 'bool', String(value));
   if (typeof value === 'number') return plain('number', 'float64', formatNumber(value));
   if (typeof value === 'string') return plain('text', 'string', shorten(value));
-  if (Array.isArray(value)) return { kind: 'list', type: `list [${value.length}]`, text: '', children: value.map((part, i) => ({ key: `[${i}]`, path: `${path}[${i}]`, value: part })) };
+  if (Array.isArray(value)) return { kind: 'list', type: `list [${value.length}]`, text: '', children: value.map((part, i) => ({ key: String(i), path: joinPath(path, String(i)), value: part })) };
   const dict = value as Dict;
-  const link = tagged(dict, 'link');
+  const { $link: link, $image: image } = dict;
   if (typeof link === 'string') return { kind: 'link', type: 'link', text: link, children: [], link };
-  const image = tagged(dict, 'image');
-  if (isDict(image) && 'width' in image) return plain('image', 'image', `${image.width} x ${image.height} x ${image.channels}`);
+  if (isDict(image)) return plain('image', `image${typeof image.dtype === 'string' ? ` ${image.dtype}` : ''}`, `${image.width} x ${image.height} x ${image.channels}`);
+  if (typeof dict.$more === 'number') return plain('none', '', `and ${dict.$more} more`);
   const array = dict.$ndarray;
   if (isDict(array)) return arrayOf(array, path);
   const summary = summaryOf(dict);
@@ -76,19 +89,23 @@ export function describe(value: unknown, path: string): Value {
   return {
     kind: 'dict', type: `dict [${keys.length}]`, text: '',
     // A key that begins with '$' has a second one in front in the JSON form.
-    children: keys.map((key) => { const name = key.replace(/^\$\$/, '$'); return { key: name, path: path ? `${path}.${name}` : name, value: dict[key] }; }),
+    children: keys.map((key) => { const name = key.replace(/^\$\$/, '$'); return { key: name, path: joinPath(path, name), value: dict[key] }; }),
   };
 }
 
-/** The number at a path such as `pose.position[2]`; NaN where there is none. */
+/** The number at a path such as `pose/position[2]`; NaN where there is none. */
 export function numberAt(tree: unknown, path: string): number {
+  const { keys, indices } = parsePath(path);
   let value = tree;
-  for (const [, key, index] of path.matchAll(/([^.[\]]+)|\[(\d+)\]/g)) {
-    if (key !== undefined) value = isDict(value) && Object.hasOwn(value, key) ? value[key] : undefined;
-    else {
-      const list = isDict(value) && isDict(value.$ndarray) ? value.$ndarray.data : value;
-      value = Array.isArray(list) ? list[Number(index)] : undefined;
-    }
+  for (const key of keys) {
+    const name = key.startsWith('$') ? `$${key}` : key;
+    if (Array.isArray(value)) value = value[Number(key)];
+    else value = isDict(value) && Object.hasOwn(value, name) ? value[name] : undefined;
   }
-  return numberOf(value) ?? NaN;
+  if (indices.length === 0) return numberOf(value) ?? NaN;
+  const array = isDict(value) && isDict(value.$ndarray) ? value.$ndarray : undefined;
+  if (!array || !Array.isArray(array.data)) return NaN;
+  const shape = shapeOf(array, array.data.length);
+  const element = shape.length === indices.length ? indices.reduce((at, index, axis) => at * shape[axis]! + index, 0) : -1;
+  return numberOf(array.data[element]) ?? NaN;
 }

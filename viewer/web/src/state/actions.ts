@@ -6,6 +6,7 @@ import { formatTime } from '../time/format';
 import { zoom, type Span } from '../time/span';
 import { parseId, queryNames } from './ids';
 import { currentState, cursor, info, last, limits, nodeOf, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
+import { pythonIndex } from './paths';
 import { messageOf } from './request';
 import { encodeState } from './url';
 
@@ -100,6 +101,5 @@ export const momentQuery = (entity: string, time: bigint): string => `${queryNam
 
 export function pythonLine(entity: string, time: bigint, path = ''): string {
   const store = JSON.stringify(info()?.stores[0]?.path ?? info()?.stores[0]?.name ?? 'STORE');
-  const value = path.replace(/(^|\.)([^.[\]]+)/g, (_, __, key: string) => `[${JSON.stringify(key)}]`);
-  return `engram.open(${store})[${JSON.stringify(entity)}].at(${time}).value${value}`;
+  return `engram.open(${store})[${JSON.stringify(entity)}].at(${time}).value${pythonIndex(path)}`;
 }

@@ -10,13 +10,14 @@ export const [isFollowing, setFollowing] = createSignal(false);
 export const [isConnected, setConnected] = createSignal(false);
 
 /** The newest time that a frame tells, or undefined. */
-export function newestOf(text: string): { newest?: bigint; dropped: number } {
+export function newestOf(text: string): { newest?: bigint; dropped: number; message?: string } {
   let frame;
   try {
     frame = liveFrame(JSON.parse(text), '');
   } catch {
     return { dropped: 0 }; // A frame that cannot be read changes nothing.
   }
+  if (frame.kind === 'interrupted') return { dropped: 0, message: frame.message || 'The server was lost for a while.' };
   if (frame.kind === 'dropped') return { dropped: frame.count };
   let newest: bigint | undefined;
   for (const id of frame.ids) {
@@ -46,7 +47,8 @@ export function watchLive(): void {
       socket.onopen = () => setConnected(true);
       socket.onclose = () => { setConnected(false); timer = setTimeout(connect, 2000); };
       socket.onmessage = (event) => {
-        const { newest, dropped } = newestOf(String(event.data));
+        const { newest, dropped, message } = newestOf(String(event.data));
+        if (message) say(message);
         if (dropped > 0) say(`The gateway was too busy to tell of ${dropped} commits; the timeline shows them when it asks next.`);
         if (newest !== undefined && (pending === undefined || newest > pending)) pending = newest;
         frame ||= requestAnimationFrame(show);

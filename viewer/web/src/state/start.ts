@@ -2,7 +2,7 @@
 // From nothing to a usable view: what the memory is, what it holds, and which panels suit it.
 import { batch, createEffect, createSignal } from 'solid-js';
 import { getJson } from '../api/client';
-import { info as infoDecoder, treeLevel, type TreeNode } from '../api/types';
+import { info as infoDecoder, isImage, treeLevel, type TreeNode } from '../api/types';
 import { membersOf } from './moment';
 import { messageOf } from './request';
 import { applyState, currentState, entities, info, limits, openPanel, selected, setCursor, setInfo, setRoots, setSelected, setView } from './store';
@@ -14,7 +14,7 @@ export const [isReady, setReady] = createSignal(false);
 /** Levels that are asked for at once; deeper trees of larger memories come as they are opened. */
 const kDepth = 4;
 
-const hasImage = (node: TreeNode): boolean => node.kinds.includes('image');
+const hasImage = (node: TreeNode): boolean => isImage(node.kinds);
 
 /** The panels that a stranger wants to see first. */
 async function suggestPanels(): Promise<void> {

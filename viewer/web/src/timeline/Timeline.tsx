@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createEffect, createMemo, createSignal, For, onCleanup, onMount, Show } from 'solid-js';
+import { createEffect, createMemo, createSignal, For, on, onCleanup, onMount, Show } from 'solid-js';
 import { getJson } from '../api/client';
 import { treeLevel } from '../api/types';
 import { copyExport, selectSpan } from '../state/actions';
 import { selectedLinks } from '../state/links';
 import { parseId } from '../state/ids';
 import { messageOf } from '../state/request';
-import { collapsed, cursor, hover, info, last, limits, liveLast, marks, roots, say, selected, selection, setChildren, setCursor, setHover, setSelected, setView, toggleCollapsed, view } from '../state/store';
+import { collapsed, cursor, hover, last, limits, liveLast, marks, roots, say, selected, selection, setChildren, setCursor, setHover, setSelected, setView, toggleCollapsed, view } from '../state/store';
 import { formatDuration, formatTime } from '../time/format';
 import { lengthOf, pan, timeAt, zoom } from '../time/span';
 import { IconButton } from '../ui/Icon';
@@ -96,11 +96,12 @@ export function Timeline() {
   });
 
   const keepVisible = (index: number): void => {
+    if (lanesHeight() === 0) return;
     const top = index * kRowHeight;
     if (top < scroller.scrollTop) scroller.scrollTop = top;
     else if (top + kRowHeight > scroller.scrollTop + lanesHeight()) scroller.scrollTop = top + kRowHeight - lanesHeight();
   };
-  createEffect(() => { const place = lanePlaces().get(selected()); if (place !== undefined) keepVisible(place); });
+  createEffect(on([selected, () => lanesHeight() > 0], () => { const place = lanePlaces().get(selected()); if (place !== undefined) keepVisible(place); }));
 
   const share = () => Math.round((Number(cursor() - limits().from) / Number(lengthOf(limits()))) * 1000) / 10;
   const savePicture = () => {
@@ -116,11 +117,11 @@ export function Timeline() {
   return (
     <section class="timeline" aria-label="Timeline">
       <div class="timeline-corner">
-        <span class="muted">{info() ? formatDuration(lengthOf(view())) : ''}</span>
+        <span class="muted">{formatDuration(lengthOf(view()))} · {rows().filter((row) => row.isEntity).length} lanes</span>
         <IconButton icon="download" label="Save the timeline as PNG" onClick={savePicture} />
       </div>
       <Minimap />
-      <div class="timeline-head muted"><span>{rows().filter((row) => row.isEntity).length} lanes</span><Legend /></div>
+      <div class="timeline-head muted"><Legend /></div>
       <div class="lanes" ref={scroller} onScroll={() => setScrollTop(scroller.scrollTop)}>
         <Names rows={rows()} shown={shown()} onToggle={(row) => void toggleRow(row)} />
       </div>

@@ -93,7 +93,7 @@ function drawMarks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
     c.lineTo(at - 5, kAxisHeight - 7);
     c.lineTo(at + 5, kAxisHeight - 7);
     c.fill();
-    c.globalAlpha = 0.35;
+    c.globalAlpha = 0.22;
     c.fillRect(at - 0.5, kAxisHeight, 1, view.height - kAxisHeight);
     c.globalAlpha = 1;
   }
@@ -107,12 +107,21 @@ function drawLinks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
     const from = { x: x(link.from), y: link.fromY };
     const to = { x: x(link.to), y: link.toY };
     if (Math.min(from.x, to.x) > view.width || Math.max(from.x, to.x) < 0) continue;
-    const bow = 14 + Math.min(40, Math.abs(to.y - from.y) / 5);
-    c.globalAlpha = 0.7;
+    // A bow from lane to lane where the snapshot is, then along the lane to the time that is linked to:
+    // straight lines across the whole life would cross everything.
+    const bow = 12 + Math.min(26, Math.abs(to.y - from.y) / 6);
+    c.globalAlpha = 0.75;
     c.beginPath();
     c.moveTo(from.x, from.y);
-    c.bezierCurveTo(from.x - bow, from.y, to.x - bow, to.y, to.x, to.y);
+    c.bezierCurveTo(from.x - bow, from.y, from.x - bow, to.y, from.x, to.y);
     c.stroke();
+    c.globalAlpha = 0.45;
+    c.setLineDash([2, 3]);
+    c.beginPath();
+    c.moveTo(from.x, to.y);
+    c.lineTo(to.x, to.y);
+    c.stroke();
+    c.setLineDash([]);
     c.globalAlpha = 1;
     c.beginPath();
     c.arc(to.x, to.y, 3, 0, 7);

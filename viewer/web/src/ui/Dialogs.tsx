@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createMemo, createSignal, For, onMount, Show, type JSX } from 'solid-js';
 import { getJson } from '../api/client';
-import { found as foundDecoder } from '../api/types';
+import { found as foundDecoder, isImage } from '../api/types';
 import { createRequest } from '../state/request';
 import { cursor, entities, openPanel, setCursor, setSelected } from '../state/store';
 import { formatTime, parseTime } from '../time/format';
@@ -54,7 +54,7 @@ export function SearchDialog(props: { onClose: () => void }) {
   const choose = (id: string | undefined, open = false) => {
     if (!id) return;
     setSelected(id);
-    if (open) openPanel(entities().find((node) => node.id === id)?.kinds.includes('image') ? 'images' : 'plot', id);
+    if (open) openPanel(isImage(entities().find((node) => node.id === id)?.kinds ?? []) ? 'images' : 'plot', id);
     props.onClose();
   };
   const onKey = (event: KeyboardEvent) => {

@@ -4,6 +4,7 @@ import { copyLink, goFirst, goLast, stepBy } from '../state/actions';
 import { isConnected, isFollowing, setFollowing } from '../state/live';
 import { isPlaying, kSpeeds, setSpeed, speed, togglePlay } from '../state/play';
 import { cursor, entities, info, isFuture, last, nodeOf, openPanel, selected, setCursor } from '../state/store';
+import { isImage } from '../api/types';
 import type { PanelKind } from '../state/url';
 import { formatClock, formatCount, formatDate, formatDuration } from '../time/format';
 import { Icon, IconButton, type IconName } from './Icon';
@@ -59,7 +60,7 @@ function AddPanel() {
     const panel = openPanel(kind, entity);
     queueMicrotask(() => document.querySelector(`[data-key="${panel.key}"]`)?.scrollIntoView({ block: 'nearest' }));
   };
-  const usable = (kind: PanelKind) => { const kinds = nodeOf(selected())?.kinds ?? []; return kind === 'images' ? kinds.includes('image') : kind === 'plot' ? kinds.includes('number') : true; };
+  const usable = (kind: PanelKind) => { const kinds = nodeOf(selected())?.kinds ?? []; return kind === 'images' ? isImage(kinds) : kind === 'plot' ? kinds.includes('number') : true; };
   return (
     <div class="menu" ref={menu} onFocusOut={(event) => { if (!menu.contains(event.relatedTarget as Node | null)) setOpen(false); }} onKeyDown={(event) => { if (event.key === 'Escape') setOpen(false); }}>
       <button class="with-icon" aria-haspopup="true" aria-expanded={isOpen()} onClick={() => setOpen(!isOpen())}><Icon name="plus" /> Panel</button>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createMemo, For, Show } from 'solid-js';
+import { isImage } from '../../api/types';
 import { createMembers, createMoment } from '../../state/moment';
 import { isMoving } from '../../state/moving';
 import { createRequest } from '../../state/request';
@@ -13,25 +14,27 @@ import { loadForesight, loadTiles, type Tile } from './load';
 import { captionOf, PictureTile } from './PictureTile';
 
 const kHorizons = [['200000000', '+200 ms'], ['400000000', '+400 ms'], ['1000000000', '+1 s']] as const;
-const kModes = [['side', 'Side by side'], ['blink', 'Blink'], ['slide', 'Slide']] as const;
+const kModes = [['side', 'Side'], ['blink', 'Blink'], ['slide', 'Slide']] as const;
 
 export function ImagesPanel(props: { panel: Panel }) {
   const entity = () => props.panel.entity;
   const option = (key: string, otherwise: string) => props.panel.options[key] ?? otherwise;
   const moment = createMoment(entity);
   const members = createMembers(entity);
-  const images = createMemo(() => (members.data() ?? []).filter((member) => member.kind === 'image').map((member) => member.path));
-  const path = () => props.panel.paths[0] ?? images()[0] ?? '';
+  const images = createMemo(() => (members.data() ?? []).filter((member) => isImage(member.kind)).map((member) => member.path));
+  // The path of a value that is an image itself is empty.
+  const path = (): string | undefined => props.panel.paths[0] ?? images()[0];
   const instance = () => Number(option('i', '0'));
   const horizon = () => BigInt(/^\d+$/.test(option('h', '0')) ? option('h', '0') : '0');
   const tiles = createRequest<Tile[]>(() => {
     const here = moment.data();
-    if (!here || path() === '') return null;
-    const asked = { entity: entity(), path: path(), instance: instance(), isMoving: isMoving() };
+    const member = path();
+    if (!here || member === undefined) return null;
+    const asked = { entity: entity(), path: member, instance: instance(), isMoving: isMoving() };
     const ahead = horizon();
     const foresees = ahead > 0n && here.source !== 'predicted';
     return {
-      group: `${entity()} ${path()} ${instance()} ${ahead} ${here.source === 'predicted'}`,
+      group: `${entity()} ${member} ${instance()} ${ahead} ${here.source === 'predicted'}`,
       run: (signal) => (foresees ? loadForesight(asked, here, ahead, signal) : loadTiles(asked, here, signal)),
     };
   });
@@ -50,7 +53,7 @@ export function ImagesPanel(props: { panel: Panel }) {
             <For each={Array.from({ length: instances() }, (_, i) => i)}>{(i) => <button aria-pressed={instance() === i} onClick={() => setOption(props.panel, 'i', String(i))}>{eye(i)}</button>}</For>
           </span>
         </Show>
-        <label class="field">predict from here
+        <label class="field">predict ahead
           <select onChange={(event) => setOption(props.panel, 'h', event.currentTarget.value)}>
             <option value="0" selected={horizon() === 0n}>off</option>
             <For each={kHorizons}>{([value, label]) => <option value={value} selected={option('h', '0') === value}>{label}</option>}</For>

@@ -26,12 +26,14 @@ export function captionOf(tile: Tile): string {
     picture.gain !== undefined ? `gain ${picture.gain}` : '',
     picture.expectedError !== undefined ? `expected error ${picture.expectedError.toPrecision(2)}` : '',
     picture.bound !== undefined ? `bound ${picture.bound.toPrecision(2)}` : '',
-    picture.model && picture.source !== 'recorded' ? picture.model : '',
+    picture.model && picture.source !== 'recorded' && picture.gain === undefined ? picture.model : '',
   ];
   return parts.filter((part) => part !== '').join(' · ');
 }
 
 export function PictureTile(props: { tile: Tile }) {
+  // Where the title says the source already, the tag would say it twice.
+  const tag = () => (/^(recorded|reconstructed|predicted|error map)$/i.test(props.tile.title) ? '' : props.tile.picture?.source ?? '');
   return (
     <figure class="tile">
       <div class="tile-picture">
@@ -40,8 +42,8 @@ export function PictureTile(props: { tile: Tile }) {
         </Show>
       </div>
       <figcaption>
-        <span class="tile-head"><strong>{props.tile.title}</strong><Show when={props.tile.picture && props.tile.picture.source !== 'error'}><SourceTag source={props.tile.picture!.source} /></Show></span>
-        <span class="muted">{props.tile.picture ? captionOf(props.tile) : ''}<Show when={props.tile.time !== undefined && !captionOf(props.tile)}>{formatClock(props.tile.time!)}</Show></span>
+        <span class="tile-head"><strong>{props.tile.title}</strong><Show when={tag()}><SourceTag source={tag()} /></Show></span>
+        <span class="muted" title={captionOf(props.tile)}>{props.tile.picture ? captionOf(props.tile) : ''}<Show when={props.tile.time !== undefined && !captionOf(props.tile)}>{formatClock(props.tile.time!)}</Show></span>
       </figcaption>
     </figure>
   );

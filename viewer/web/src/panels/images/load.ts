@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which pictures belong to a moment, and their loading: all of one moment together, so that what is
 // side by side is of one time.
-import { getImage, getJson, type Picture } from '../../api/client';
+import { ApiError, getImage, getJson, type Picture } from '../../api/client';
 import { moment as momentDecoder, type Moment } from '../../api/types';
 import { messageOf } from '../../state/request';
 
@@ -28,13 +28,24 @@ export interface Asked {
   readonly isMoving: boolean;
 }
 
-async function one(asked: Asked, wanted: Wanted, signal: AbortSignal): Promise<Tile> {
+/** What it means that a form is not there, and what brings it. */
+const kAbsent: Record<string, string> = {
+  recorded: 'The recorded image was dropped after a night kept it as latents.',
+  latent: 'No latents yet. A night makes them: engram consolidate.',
+  error: 'The error shows where both forms are kept.',
+};
+
+async function one(asked: Asked, wanted: Wanted, signal: AbortSignal, forms?: readonly string[]): Promise<Tile> {
+  const needed = wanted.form === 'error' ? ['recorded', 'latent'] : wanted.form === 'any' || wanted.form === 'predicted' ? [] : [wanted.form];
+  // What the gateway said is not there is not asked for.
+  if (forms && needed.some((form) => !forms.includes(form))) return { title: wanted.title, time: wanted.time, missing: kAbsent[wanted.form] };
   const params = { id: `${asked.entity}/${wanted.time}/${asked.instance}`, path: asked.path, form: wanted.form, as: wanted.as, quality: wanted.as === 'jpeg' ? 92 : undefined, ...wanted.extra };
   try {
     return { title: wanted.title, time: wanted.time, picture: await getImage(params, signal) };
   } catch (error) {
     if (signal.aborted) throw error;
-    return { title: wanted.title, time: wanted.time, missing: messageOf(error) };
+    const isAbsent = error instanceof ApiError && error.code === 'kNotFound';
+    return { title: wanted.title, time: wanted.time, missing: (isAbsent ? kAbsent[wanted.form] : undefined) ?? messageOf(error) };
   }
 }
 
@@ -53,7 +64,7 @@ export async function loadTiles(asked: Asked, here: Moment, signal: AbortSignal)
           { title: 'Reconstructed', time: here.time, form: 'latent', as: still(asked) },
           { title: 'Error map', time: here.time, form: 'error', as: 'png' },
         ];
-  return Promise.all(wanted.map((want) => one(asked, want, signal)));
+  return Promise.all(wanted.map((want) => one(asked, want, signal, here.forms)));
 }
 
 /** What is predicted from a past moment, beside what really came. */

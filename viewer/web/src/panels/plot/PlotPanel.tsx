@@ -22,6 +22,8 @@ import { SeriesTable } from './SeriesTable';
 
 /** How far a prediction from a past moment reaches at most. */
 const kReachNs = 2_000_000_000n;
+/** How long the gateway may read for a plot that rests. */
+const kWholeMs = 5000;
 
 export function PlotPanel(props: { panel: Panel }) {
   const [size, sizeRef] = createSize();
@@ -42,6 +44,20 @@ export function PlotPanel(props: { panel: Panel }) {
     if (paths.length === 0 || pixels < 20) return null;
     return { group: `${entity} ${paths.join(' ')}`, run: (signal) => askSeries(entity, paths, span, pixels, signal) };
   });
+  // What the gateway could not read in time it reads once the picture rests.
+  const [restView, setRestView] = createSignal(view());
+  createEffect(() => {
+    const here = view();
+    const timer = setTimeout(() => setRestView(here), 400);
+    onCleanup(() => clearTimeout(timer));
+  });
+  const whole = createRequest<Plotted>(() => {
+    const rough = plotted.data();
+    const { entity, paths } = props.panel;
+    if (!rough || rough.share >= 1 || restView() !== view()) return null;
+    return { group: `${entity} ${paths.join(' ')} ${rough.span.from} ${rough.span.to}`, run: (signal) => askSeries(entity, paths, rough.span, rough.pixels, signal, kWholeMs) };
+  });
+  const best = createMemo(() => whole.data() ?? plotted.data());
   // Behind the last snapshot, as far as the screen reaches; or from the cursor, beside what came.
   const foreseen = createRequest<Foreseen>(() => {
     const { entity, paths } = props.panel;
@@ -60,7 +76,7 @@ export function PlotPanel(props: { panel: Panel }) {
   let chart: uPlot | undefined;
   let stop = (): void => {};
   const [box, setBox] = createSignal({ left: 0, width: 0 });
-  const shown = (): Shown => ({ plotted: untrack(plotted.data)!, view: untrack(view), last: untrack(last), foreseen: untrack(shownFuture), isShown: (path) => !untrack(hidden).has(path) });
+  const shown = (): Shown => ({ plotted: untrack(best)!, view: untrack(view), last: untrack(last), foreseen: untrack(shownFuture), isShown: (path) => !untrack(hidden).has(path) });
   const destroy = (): void => { stop(); chart?.destroy(); chart = undefined; };
   onCleanup(destroy);
 
@@ -77,7 +93,7 @@ export function PlotPanel(props: { panel: Panel }) {
     });
   };
   // A new chart where series, size or colours change; otherwise the old one gets new data.
-  const kind = createMemo(() => (plotted.data() && size().width > 80 && size().height > 60 && !isTable() ? `${plotted.data()!.paths.join(' ')} ${[...hidden()].join(' ')} ${size().width} ${size().height}` : ''));
+  const kind = createMemo(() => (best() && size().width > 80 && size().height > 60 && !isTable() ? `${best()!.paths.join(' ')} ${[...hidden()].join(' ')} ${size().width} ${size().height}` : ''));
   createEffect(on([kind, theme], () => {
     destroy();
     if (kind() === '') return;
@@ -85,16 +101,16 @@ export function PlotPanel(props: { panel: Panel }) {
     wire(chart.over);
     setBox({ left: chart.bbox.left / devicePixelRatio, width: chart.bbox.width / devicePixelRatio });
   }));
-  const repaint = perFrame(() => { if (chart && plotted.data()?.paths.length === chart.series.length - 1) chart.setData(dataOf(plotted.data()!), true); });
-  createEffect(() => { plotted.data(); view(); last(); foreseen.data(); coarse(); repaint(); });
+  const repaint = perFrame(() => { if (chart && best()?.paths.length === chart.series.length - 1) chart.setData(dataOf(best()!), true); });
+  createEffect(() => { best(); view(); last(); foreseen.data(); coarse(); repaint(); });
 
   const line = (time: bigint | null) => { const at = lineAt(time, view(), box().width); return at === null ? 'none' : `translateX(${at + box().left}px)`; };
   const time = () => hover() ?? cursor();
   const toggle = (path: string) => { const next = new Set(hidden()); if (!next.delete(path)) next.add(path); setHidden(next); };
-  const label = (path: string) => { const member = numbers().find((other) => other.path === path); return member?.name ? `${path} ${member.name}` : path; };
+  const label = (path: string) => { const member = numbers().find((other) => other.path === path); return member?.name ? `${member.name} ${/velocit/i.test(path) ? 'velocity' : ''}`.trim() : path; };
   const unitOf = (path: string) => numbers().find((other) => other.path === path)?.unit ?? '';
   return (
-    <PanelFrame panel={props.panel} icon="chart-line" title="Plot" isBusy={plotted.isBusy()} error={plotted.error() || members.error() || foreseen.error()} onRetry={() => { plotted.retry(); foreseen.retry(); }}
+    <PanelFrame panel={props.panel} icon="chart-line" title="Plot" isBusy={plotted.isBusy() || whole.isBusy()} error={plotted.error() || members.error() || foreseen.error()} onRetry={() => { plotted.retry(); foreseen.retry(); }}
       actions={<>
         <IconButton icon="search" label="Choose series" isPressed={isPicking()} onClick={() => setPicking(!isPicking())} />
         <IconButton icon="sparkles" label="Predict from the cursor" isPressed={fromHere()} onClick={() => setOption(props.panel, 'from', fromHere() ? '0' : '1')} />
@@ -103,16 +119,17 @@ export function PlotPanel(props: { panel: Panel }) {
       </>}>
       <div class="plot-legend" role="group" aria-label="Series shown">
         <For each={props.panel.paths}>{(path, i) => (
-          <button class="series-key" aria-pressed={!hidden().has(path)} title={`${hidden().has(path) ? 'Show' : 'Hide'} ${label(path)}`} onClick={() => toggle(path)}>
+          <button class="series-key" aria-pressed={!hidden().has(path)} title={`${hidden().has(path) ? 'Show' : 'Hide'} ${path} ${label(path)}`} onClick={() => toggle(path)}>
             <i style={{ background: styleOf(i(), theme()).colour }} /><span class="series-name">{label(path)}</span>
-            <output>{plotted.data() && Number.isFinite(valueAt(plotted.data()!, i(), time())) ? formatNumber(valueAt(plotted.data()!, i(), time())) : '–'}<span class="unit"> {unitOf(path)}</span></output>
+            <output>{best() && Number.isFinite(valueAt(best()!, i(), time())) ? formatNumber(valueAt(best()!, i(), time())) : '–'}<span class="unit"> {unitOf(path)}</span></output>
           </button>
         )}</For>
+        <Show when={(best()?.share ?? 1) < 1}><span class="muted" title="The gateway reads on while the picture rests">{Math.max(1, Math.round(best()!.share * 100))} % read</span></Show>
         <Show when={shownFuture()?.engine}><span class="muted engine">predicted by {shownFuture()!.engine}</span></Show>
       </div>
       <Show when={isPicking()}><SeriesPicker panel={props.panel} members={numbers()} /></Show>
       <Show when={props.panel.paths.length > 0} fallback={<Empty title="No series is chosen"><button onClick={() => setPicking(true)}>Choose series</button></Empty>}>
-        <Show when={isTable() && plotted.data()}><SeriesTable plotted={plotted.data()!} labels={props.panel.paths.map(label)} /></Show>
+        <Show when={isTable() && best()}><SeriesTable plotted={best()!} labels={props.panel.paths.map(label)} /></Show>
         <div class="plot" hidden={isTable()} ref={sizeRef}>
           <div class="plot-host" role="img" aria-label={`Plot of ${props.panel.paths.map(label).join(', ')}; shown as a table on request`} ref={host} />
           <div class="plot-line pinned" classList={{ future: cursor() > last() }} style={{ transform: line(cursor()) === 'none' ? 'translateX(-10px)' : line(cursor()), visibility: line(cursor()) === 'none' ? 'hidden' : 'visible' }} />

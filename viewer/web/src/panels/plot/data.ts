@@ -10,7 +10,8 @@ export interface Plotted {
   readonly pixels: number;
   readonly paths: readonly string[];
   readonly series: readonly Series[];
-  readonly unit: string;
+  /** Which share of the snapshots was read; below 1 the gateway ran out of its time. */
+  readonly share: number;
   /** Seconds since `span.from`, two for each pixel. */
   readonly x: Float64Array;
   /** One list per path. null is a gap; undefined is a pixel between two snapshots. */
@@ -45,7 +46,8 @@ export function pointsOf(series: Series): (number | null | undefined)[] {
   let before = -1;
   for (let i = 0; i < pixels; ++i) {
     if (Number.isNaN(last[i]!)) continue;
-    if (before >= 0 && i - before > limit) out[2 * before + 2] = null;
+    // uPlot leaves out what is null, and only that: a gap is null all along.
+    if (before >= 0 && i - before > limit) out.fill(null, 2 * before + 2, 2 * i);
     const endsHigh = Math.abs(last[i]! - max[i]!) <= Math.abs(last[i]! - min[i]!);
     if (min[i] === max[i]) out[2 * i] = last[i]!;
     else {
@@ -62,12 +64,11 @@ export function abscissae(span: Span, pixels: number): Float64Array {
   return Float64Array.from({ length: 2 * pixels }, (_, i) => ((i + 0.5) / (2 * pixels)) * seconds);
 }
 
-export async function askSeries(entity: string, paths: readonly string[], span: Span, pixels: number, signal: AbortSignal): Promise<Plotted> {
-  const { buffer, headers } = await getBinary('series', { entity, path: paths, from: span.from, to: span.to, pixels }, signal);
+export async function askSeries(entity: string, paths: readonly string[], span: Span, pixels: number, signal: AbortSignal, budget?: number): Promise<Plotted> {
+  const { buffer, headers } = await getBinary('series', { entity, path: paths, from: span.from, to: span.to, pixels, budget }, signal);
   const series = decodeSeries(buffer, paths.length, pixels);
-  let unit = headers.get('X-Engram-Unit') ?? '';
-  try { unit = decodeURIComponent(unit); } catch { /* A unit that is not escaped is shown as it came. */ }
-  return { span, pixels, paths, series, unit, x: abscissae(span, pixels), y: series.map(pointsOf) };
+  const [read, total] = ['Read', 'Total'].map((name) => Number.parseInt(headers.get(`X-Engram-${name}`) ?? '', 10)) as [number, number];
+  return { span, pixels, paths, series, share: total > 0 && read < total ? read / total : 1, x: abscissae(span, pixels), y: series.map(pointsOf) };
 }
 
 /** The value of a series at or before a time; NaN where there is none in what was asked for. */

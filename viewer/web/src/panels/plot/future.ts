@@ -2,6 +2,7 @@
 // Predicted values of the series of a plot, coarse steps first.
 import { getJson } from '../../api/client';
 import { moments, type Moment } from '../../api/types';
+import { arrayPath } from '../../state/paths';
 import { numberAt } from '../values';
 
 export interface Foreseen {
@@ -18,7 +19,7 @@ export const horizonsUpTo = (reach: bigint, count: number): bigint[] =>
   Array.from({ length: count }, (_, i) => (reach * BigInt(i + 1)) / BigInt(count)).filter((horizon) => horizon > 0n);
 
 function foreseen(answers: readonly Moment[], paths: readonly string[], from: bigint): Foreseen {
-  const bound = (moment: Moment, path: string) => moment.members.find((member) => member.path === path)?.bound ?? moment.bound ?? NaN;
+  const bound = (moment: Moment, path: string) => (moment.members.find((member) => member.path === path) ?? moment.members.find((member) => member.path === arrayPath(path)) ?? moment).bound ?? NaN;
   return {
     from: answers[0]?.from ?? from,
     engine: answers[0]?.engine ?? '',
