@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createSignal, For, lazy, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
+import { createEffect, createSignal, For, lazy, on, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
 import { ImagesPanel } from './panels/images/ImagesPanel';
 import { Inspector } from './panels/Inspector';
 import { NightsPanel } from './panels/NightsPanel';
@@ -9,8 +9,8 @@ import { SimilarPanel } from './panels/SimilarPanel';
 import { watchLive } from './state/live';
 import { watchMoving } from './state/moving';
 import { watchPlay } from './state/play';
-import { failure, isReady, start, watchAddress } from './state/start';
-import { info, notice, panels, type Panel } from './state/store';
+import { failure, isReady, isSettled, start, watchAddress } from './state/start';
+import { info, notice, panels, revealed, type Panel } from './state/store';
 import { Timeline } from './timeline/Timeline';
 import { HelpDialog, SearchDialog, TimeDialog } from './ui/Dialogs';
 import { Header } from './ui/Header';
@@ -55,6 +55,10 @@ export function App() {
   watchPlay();
   watchLive();
   watchAddress();
+  createEffect(on(revealed, ({ key }) => {
+    // The first panels come by themselves, and the page stays where it is.
+    if (isSettled()) requestAnimationFrame(() => document.querySelector(`[data-key="${key}"]`)?.scrollIntoView({ block: 'nearest' }));
+  }, { defer: true }));
   onMount(() => {
     void start();
     const onKey = (event: KeyboardEvent) => {

@@ -10,6 +10,8 @@ import { decodeState, encodeState, type ViewState } from './url';
 
 export const [failure, setFailure] = createSignal('');
 export const [isReady, setReady] = createSignal(false);
+/** True once the first panels are there. */
+export const [isSettled, setSettled] = createSignal(false);
 
 /** Levels that are asked for at once; deeper trees of larger memories come as they are opened. */
 const kDepth = 4;
@@ -48,6 +50,7 @@ export async function start(): Promise<void> {
     setReady(true);
     document.title = `${known.stores[0]?.name ?? 'Engram'} – Engram viewer`;
     if (!state.panels) await suggestPanels();
+    setSettled(true);
   } catch (error) {
     setFailure(messageOf(error));
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the person looks at: one cursor for everything, one stretch of time, one chosen entity.
 // Panels read these signals; only the functions here write them.
-import { batch, createMemo, createSignal } from 'solid-js';
+import { batch, createMemo as createOwnedMemo, createRoot, createSignal } from 'solid-js';
 import type { Info, TreeNode } from '../api/types';
 import { clampTime, limitsOf, showing, within, type Span } from '../time/span';
 import type { PanelKind, PanelState, ViewState } from './url';
@@ -10,6 +10,9 @@ export interface Panel extends PanelState {
   /** Names the panel while the page lives, whatever its place. */
   readonly key: number;
 }
+
+/** These live as long as the page, so nobody else owns them. */
+const createMemo = <T>(compute: () => T): (() => T) => createRoot(() => createOwnedMemo(compute));
 
 const kNoSpan: Span = { from: 0n, to: 1_000_000_000n };
 
@@ -80,12 +83,15 @@ export function setChildren(id: string, children: TreeNode[]): void {
 }
 
 let nextKey = 1;
+const [revealed, setRevealed] = createSignal({ key: 0 });
+/** The panel that was asked for last; it is brought onto the screen. */
+export { revealed };
 
 export function openPanel(kind: PanelKind, entity: string, paths: readonly string[] = [], options: Record<string, string> = {}): Panel {
   const there = panels().find((panel) => panel.kind === kind && panel.entity === entity && paths.every((path) => panel.paths.includes(path)));
-  if (there) return there;
-  const panel = { key: nextKey++, kind, entity, paths, options };
-  setPanels([...panels(), panel]);
+  const panel = there ?? { key: nextKey++, kind, entity, paths, options };
+  if (!there) setPanels([...panels(), panel]);
+  setRevealed({ key: panel.key });
   return panel;
 }
 

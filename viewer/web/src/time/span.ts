@@ -23,27 +23,29 @@ export function xOf(time: bigint, span: Span, width: number): number {
   return (Number(time - span.from) / Number(span.to - span.from)) * width;
 }
 
+/** `length` times a float, to the nearest nanosecond: the product is made in BigInt, so no digit of it is lost. */
+function scaled(length: bigint, factor: number): bigint {
+  return (length * BigInt(Math.round(factor * 2 ** 40)) + (1n << 39n)) >> 40n;
+}
+
 /** The time below pixel `x`; exact at both ends. */
 export function timeAt(x: number, span: Span, width: number): bigint {
-  // The share is scaled to 2^40 so that the multiplication happens in BigInt: exact for any life.
-  const share = BigInt(Math.round((x / width) * 2 ** 40));
-  return span.from + ((span.to - span.from) * share) / (1n << 40n);
+  return span.from + scaled(span.to - span.from, x / width);
 }
 
 /** Zooms by `factor` (below 1: closer) with the time at `x` staying where it is, within `limits`. */
 export function zoom(span: Span, x: number, width: number, factor: number, limits: Span): Span {
   const anchor = timeAt(x, span, width);
-  const scale = BigInt(Math.max(1, Math.round(factor * 2 ** 20)));
-  let length = (lengthOf(span) * scale) >> 20n;
+  let length = scaled(lengthOf(span), factor);
   if (length < kMinSpanNs) length = kMinSpanNs;
   if (length > lengthOf(limits)) return limits;
-  const before = (length * BigInt(Math.round((x / width) * 2 ** 20))) >> 20n;
+  const before = scaled(length, x / width);
   return within({ from: anchor - before, to: anchor - before + length }, limits);
 }
 
 /** Moves a span by pixels to the left, within `limits`. */
 export function pan(span: Span, pixels: number, width: number, limits: Span): Span {
-  const shift = (lengthOf(span) * BigInt(Math.round((pixels / width) * 2 ** 20))) >> 20n;
+  const shift = scaled(lengthOf(span), pixels / width);
   return within({ from: span.from + shift, to: span.to + shift }, limits);
 }
 

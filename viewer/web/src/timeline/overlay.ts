@@ -110,7 +110,7 @@ function drawLinks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
     // A bow from lane to lane where the snapshot is, then along the lane to the time that is linked to:
     // straight lines across the whole life would cross everything.
     const bow = 12 + Math.min(26, Math.abs(to.y - from.y) / 6);
-    c.globalAlpha = 0.75;
+    c.globalAlpha = 0.5;
     c.beginPath();
     c.moveTo(from.x, from.y);
     c.bezierCurveTo(from.x - bow, from.y, from.x - bow, to.y, from.x, to.y);

@@ -57,8 +57,7 @@ function AddPanel() {
   const add = (kind: PanelKind, ofEntity: boolean) => {
     setOpen(false);
     const entity = ofEntity ? selected() || entities()[0]?.id || '' : '';
-    const panel = openPanel(kind, entity);
-    queueMicrotask(() => document.querySelector(`[data-key="${panel.key}"]`)?.scrollIntoView({ block: 'nearest' }));
+    openPanel(kind, entity);
   };
   const usable = (kind: PanelKind) => { const kinds = nodeOf(selected())?.kinds ?? []; return kind === 'images' ? isImage(kinds) : kind === 'plot' ? kinds.includes('number') : true; };
   return (

@@ -31,7 +31,7 @@ export function usualStep(values: Float32Array): number {
     before = i;
   }
   steps.sort((a, b) => a - b);
-  return steps.length === 0 ? Infinity : steps[Math.floor(steps.length * 0.9)]!;
+  return steps.length === 0 ? Infinity : steps[Math.floor((steps.length - 1) * 0.9)]!;
 }
 
 /**

@@ -56,6 +56,15 @@ function free(object: THREE.Object3D): void {
   });
 }
 
+/** Small things are told apart by their colours; furniture is quiet. */
+function ownColour(thing: Thing, theme: Theme): string {
+  if (!thing.placed.size) return theme.hover;
+  if (Math.max(...thing.placed.size) > 0.6) return theme.faint;
+  let hash = 0;
+  for (const c of thing.id) hash = (hash * 31 + c.charCodeAt(0)) >>> 0;
+  return theme.series[hash % theme.series.length]!;
+}
+
 /** Leaves out labels that would lie on others; those of what is chosen come first. */
 export function apart(anchors: readonly Anchor[]): Anchor[] {
   const kept: Anchor[] = [];
@@ -107,7 +116,7 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
   controls.addEventListener('change', ask);
 
   const objectOf = (thing: Thing, theme: Theme): THREE.Object3D => {
-    const colour = new THREE.Color(thing.isPredicted ? theme.predicted : thing.isChosen ? theme.accent : theme.hover);
+    const colour = new THREE.Color(thing.isPredicted ? theme.predicted : thing.isChosen ? theme.accent : ownColour(thing, theme));
     const { placed } = thing;
     const object = placed.isCamera ? frustum(colour) : placed.size ? boxOf(placed.size, colour, thing.isPredicted) : new THREE.Group();
     if (!placed.isCamera) object.add(new THREE.AxesHelper(placed.size ? 0.12 : 0.3));
