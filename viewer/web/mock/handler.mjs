@@ -2,12 +2,11 @@
 // Answers the requests of the contract. The same handler serves `vite` while developing, and the
 // small server of the tests.
 import { kEntities, kFirst, kHorizonNs, kLast, kStart, formOf, isRecorded, lowerBound } from './world.mjs';
-import { membersOf, numberAt } from './values.mjs';
+import { membersOf, seriesValue } from './values.mjs';
 import { entityOf, linksOf, momentAt, predicted, Refusal, similarTo, snapshotAt, splitId } from './moments.mjs';
 import { depthOf, errorMap, psnr, reconstruct, scene } from './paint.mjs';
 import { png } from './png.mjs';
 import { tree } from './tree.mjs';
-import { valueOf } from './values.mjs';
 
 const need = (query, name) => {
   const value = query.get(name);
@@ -46,9 +45,8 @@ function series(query) {
     i = lowerBound(entity.times, from + (x + 1) * step);
     // At most three snapshots of a pixel are looked at: a mock need not find every spike.
     for (let j = begin; j < i; j += Math.max(1, Math.ceil((i - begin) / 3))) {
-      const value = valueOf(entity, entity.times[j] / 1e9, () => '');
       paths.forEach((path, p) => {
-        const number = numberAt(value, path);
+        const number = seriesValue(entity, path, entity.times[j] / 1e9);
         const at = p * 3 * pixels + x;
         if (!(out[at] <= number)) out[at] = number;
         if (!(out[at + pixels] >= number)) out[at + pixels] = number;

@@ -127,6 +127,14 @@ export function numberAt(tree, path) {
   return typeof value === 'number' ? value : NaN;
 }
 
+/** A number of an entity at a time; those that plots ask for by the thousand are made alone. */
+export function seriesValue(entity, path, t) {
+  if (entity.kind === 'platform' && path !== 'frame_id') return platform(t)[path] ?? NaN;
+  const match = entity.kind === 'joints' && /^(positions|velocities)\[(\d+)\]$/.exec(path);
+  if (match && Number(match[2]) < kJoints.length) return match[1] === 'positions' ? joint(Number(match[2]), t) : velocity(Number(match[2]), t);
+  return numberAt(valueOf(entity, t, () => ''), path);
+}
+
 /** Continues every number of a value by how it moved until then: what a simple engine would do. */
 export function continued(before, now, steps) {
   if (typeof now === 'number' && typeof before === 'number') return now + (now - before) * steps;

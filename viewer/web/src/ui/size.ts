@@ -11,7 +11,8 @@ export function createSize(): [Accessor<Size>, (element: HTMLElement) => void] {
   const [size, setSize] = createSignal<Size>({ width: 0, height: 0 }, { equals: (a, b) => a.width === b.width && a.height === b.height });
   const observer = new ResizeObserver(([entry]) => {
     const box = entry!.contentRect;
-    setSize({ width: Math.floor(box.width), height: Math.floor(box.height) });
+    // A panel that is hidden for a while keeps the size that it will have again.
+    if (box.width > 0) setSize({ width: Math.floor(box.width), height: Math.floor(box.height) });
   });
   onCleanup(() => observer.disconnect());
   return [size, (element) => observer.observe(element)];
