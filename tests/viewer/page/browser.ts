@@ -36,7 +36,7 @@ let faults: string[] = [];
 /** Starts a browser for the tests of a file. */
 export function useBrowser(): void {
   beforeAll(async () => {
-    browser = await chromium.launch({ executablePath: executable, args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
+    browser = await chromium.launch({ executablePath: executable, args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
   });
   afterAll(async () => browser?.close());
   afterEach(async () => {

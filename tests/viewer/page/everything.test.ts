@@ -55,15 +55,14 @@ describe('the keyboard', () => {
     const first = await cursorOf(page);
     await choose(page, 'joints');
     await page.keyboard.press('ArrowRight');
+    await expect.poll(() => cursorOf(page)).not.toBe(first);
     const one = await cursorOf(page);
     expect(Number(one - first) / 1e6).toBeLessThan(40);
     await page.keyboard.press('Shift+ArrowRight');
-    await page.waitForTimeout(200);
-    const eleven = await cursorOf(page);
-    expect(Number(eleven - one) / 1e6).toBeGreaterThan(150);
+    await expect.poll(() => cursorOf(page)).not.toBe(one);
+    expect(Number((await cursorOf(page)) - one) / 1e6).toBeGreaterThan(150);
     await page.keyboard.press('Shift+ArrowLeft');
-    await page.waitForTimeout(200);
-    expect(await cursorOf(page)).toBe(one);
+    await expect.poll(() => cursorOf(page)).toBe(one);
     await page.keyboard.press('ArrowDown');
     await expect.poll(() => page.locator('.entity-path').textContent()).toBe('RobotState/Proprioception/robot/battery');
     await page.keyboard.press(' ');
@@ -186,13 +185,19 @@ describe('what goes wrong', () => {
     await page.waitForTimeout(500);
     mock.state.delayMs = 150;
     mock.state.requests.length = 0;
-    const box = (await page.getByTestId('surface').boundingBox())!;
-    await page.mouse.move(box.x + 100, box.y + 8);
-    await page.mouse.down();
-    await page.mouse.move(box.x + 900, box.y + 8, { steps: 80 });
-    await page.mouse.up();
     const steps = 80;
-    await page.waitForTimeout(1500);
+    await page.getByTestId('surface').evaluate(async (surface, count) => {
+      const box = surface.getBoundingClientRect();
+      surface.setPointerCapture = () => {};
+      const send = (type: string, x: number) => surface.dispatchEvent(new PointerEvent(type, { pointerId: 5, bubbles: true, button: 0, clientX: box.x + x, clientY: box.y + 8 }));
+      send('pointerdown', 100);
+      for (let i = 1; i <= count; ++i) {
+        send('pointermove', 100 + i * 8);
+        await new Promise((done) => requestAnimationFrame(done));
+      }
+      send('pointerup', 900);
+    }, steps);
+    await page.waitForTimeout(2500);
     const moments = mock.state.requests.filter((request) => request.startsWith('/api/moment')).length;
     // Two panels ask for moments; without the rule it would be 160.
     expect(moments).toBeLessThan(steps);

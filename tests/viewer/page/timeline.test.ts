@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
 import { choose, clockTime, coloursOf, cursorOf, kStart, useBrowser, viewOf, visit } from './browser';
 
@@ -6,6 +7,16 @@ useBrowser();
 
 const kRecorded = '0,114,178';
 const kLatent = '230,159,0';
+
+/** Turns the wheel many times, a frame for each: the driver waits a second for every turn of its own. */
+const turn = (page: Page, share: number, deltaY: number, times: number) =>
+  page.getByTestId('surface').evaluate(async (surface, [at, delta, count]) => {
+    const box = surface.getBoundingClientRect();
+    for (let i = 0; i < count!; ++i) {
+      surface.dispatchEvent(new WheelEvent('wheel', { deltaY: delta!, clientX: box.x + box.width * at!, clientY: box.y + 120, bubbles: true, cancelable: true }));
+      await new Promise((done) => requestAnimationFrame(done));
+    }
+  }, [share, deltaY, times]);
 
 describe('the timeline', () => {
   it('shows a lane for each entity, in the colours of where its snapshots are kept', async () => {
@@ -35,14 +46,15 @@ describe('the timeline', () => {
     const before = await viewOf(page);
     const anchor = before.from + (before.length * 400n) / 1000n;
     await page.mouse.move(x, box.y + 120);
-    for (let i = 0; i < 40; ++i) await page.mouse.wheel(0, -300);
+    await page.mouse.wheel(0, -300);
+    await turn(page, 0.4, -300, 40);
     const after = await viewOf(page);
     expect(after.length).toBeLessThan(1_000_000n);
     const share = Number(anchor - after.from) / Number(after.length);
     // A pixel of the whole life is a second, so the pointer itself is not more exact.
     expect(Math.abs(Number(after.from - anchor))).toBeLessThan(2e9);
     expect(Number.isFinite(share)).toBe(true);
-    for (let i = 0; i < 40; ++i) await page.mouse.wheel(0, 300);
+    await turn(page, 0.4, 300, 42);
     expect((await viewOf(page)).length).toBe(before.length);
   });
 
@@ -50,8 +62,8 @@ describe('the timeline', () => {
     const { page } = await visit();
     const surface = page.getByTestId('surface');
     const box = (await surface.boundingBox())!;
+    await turn(page, 0.5, -300, 3);
     await page.mouse.move(box.x + 500, box.y + 120);
-    for (let i = 0; i < 6; ++i) await page.mouse.wheel(0, -140);
     const before = await viewOf(page);
     await page.mouse.down();
     await page.mouse.move(box.x + 300, box.y + 120, { steps: 5 });

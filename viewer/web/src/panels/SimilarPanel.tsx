@@ -6,7 +6,7 @@ import { isImage, moment as momentDecoder, similar, type Similar } from '../api/
 import { createMembers } from '../state/moment';
 import { restCursor } from '../state/moving';
 import { createRequest } from '../state/request';
-import { info, last, setCursor, setMarks, setOption, setSelected, type Panel } from '../state/store';
+import { info, last, nodeOf, setCursor, setMarks, setOption, setSelected, type Panel } from '../state/store';
 import { formatClock, formatDuration, formatTime } from '../time/format';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
 import { Bitmap } from './images/PictureTile';
@@ -26,6 +26,8 @@ export function SimilarPanel(props: { panel: Panel }) {
     if (!info() || at === 0n) return null;
     // A future moment has no code; the last one that was seen has.
     const time = at > last() ? last() : at;
+    const first = nodeOf(entity())?.first;
+    if (first !== undefined && time < first) return null;
     return {
       group: `${entity()} ${k}`,
       run: async (signal) => {
@@ -44,7 +46,7 @@ export function SimilarPanel(props: { panel: Panel }) {
           <Show when={list().length > 0} fallback={<Empty title="Nothing like it was found">A night makes the codes that moments are compared by: run engram consolidate.</Empty>}>
             <ul class="thumbs">
               <For each={list()}>{(one) => (
-                <li><button class="thumb" title={formatTime(one.time)} aria-label={`Go to ${formatTime(one.time)}, distance ${one.distance.toFixed(2)}`} onClick={() => { setSelected(entity()); setCursor(one.time); }}>
+                <li><button class="thumb" title={`Go to ${formatTime(one.time)}`} onClick={() => { setSelected(entity()); setCursor(one.time); }}>
                   <Thumb id={one.id} path={path()} />
                   <span class="thumb-text"><b title="Distance: 0 is equal, 1 as different as any two moments">{one.distance.toFixed(2)}</b><span>{formatClock(one.time, 1)}</span><span class="muted">{away(one.time)}</span></span>
                 </button></li>

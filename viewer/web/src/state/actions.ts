@@ -5,7 +5,7 @@ import { moment, step } from '../api/types';
 import { formatTime } from '../time/format';
 import { zoom, type Span } from '../time/span';
 import { parseId, queryNames } from './ids';
-import { currentState, cursor, info, last, limits, nodeOf, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
+import { currentState, cursor, home, info, last, limits, nodeOf, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
 import { pythonIndex } from './paths';
 import { messageOf } from './request';
 import { encodeState } from './url';
@@ -59,7 +59,7 @@ export const zoomBy = (factor: number): void => {
   setView(zoom(here, (share >= 0 && share <= 1 ? share : 0.5) * 1000, 1000, factor, limits()));
 };
 
-export const showAll = (): void => setView(limits());
+export const showAll = (): void => setView(home());
 export const goFirst = (): void => setCursor(info()?.first ?? 0n);
 export const goLast = (): void => setCursor(last());
 export const goFuture = (): void => setCursor(last() + 400_000_000n);

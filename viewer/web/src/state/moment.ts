@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The snapshot of an entity below the cursor, recorded, reconstructed or predicted.
-import { getJson } from '../api/client';
+import { ApiError, getJson } from '../api/client';
 import { members, moment, type Member, type Moment } from '../api/types';
+import { formatTime } from '../time/format';
 import { cursor, info, last, nodeOf } from './store';
 import { createRequest, type Request } from './request';
 
@@ -17,6 +18,9 @@ export const createMoment = (entity: () => string, at: () => bigint = cursor): R
     const id = entity();
     if (id === '' || info() === undefined) return null;
     const time = at();
+    const first = nodeOf(id)?.first;
+    if (first !== undefined && time < first)
+      return { group: `${id} before`, run: () => Promise.reject(new ApiError('kNotFound', `Nothing is known yet at this time: the first snapshot is at ${formatTime(first)}.`)) };
     const which = isPredicted(id, time) ? 'predict' : 'at-or-before';
     return { group: `${id} ${which}`, run: (signal) => getJson('moment', { entity: id, at: time, which }, moment, signal) };
   });

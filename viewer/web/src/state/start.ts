@@ -5,7 +5,7 @@ import { getJson } from '../api/client';
 import { info as infoDecoder, isImage, treeLevel, type TreeNode } from '../api/types';
 import { membersOf } from './moment';
 import { messageOf } from './request';
-import { applyState, currentState, entities, info, limits, openPanel, selected, setCursor, setInfo, setRoots, setSelected, setView } from './store';
+import { applyState, currentState, entities, home, info, openPanel, selected, setCursor, setInfo, setRoots, setSelected, setView } from './store';
 import { decodeState, encodeState, type ViewState } from './url';
 
 export const [failure, setFailure] = createSignal('');
@@ -43,7 +43,7 @@ export async function start(): Promise<void> {
     batch(() => {
       setInfo(known);
       setRoots(tree.children);
-      setView(limits());
+      setView(home());
       setCursor(known.last, false);
       applyState(state);
     });

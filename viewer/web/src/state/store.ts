@@ -3,7 +3,7 @@
 // Panels read these signals; only the functions here write them.
 import { batch, createMemo as createOwnedMemo, createRoot, createSignal } from 'solid-js';
 import type { Info, TreeNode } from '../api/types';
-import { clampTime, limitsOf, showing, within, type Span } from '../time/span';
+import { clampTime, homeOf, limitsOf, showing, within, type Span } from '../time/span';
 import type { PanelKind, PanelState, ViewState } from './url';
 
 export interface Panel extends PanelState {
@@ -42,6 +42,8 @@ export const limits = createMemo<Span>(() => {
   const known = info();
   return known ? limitsOf(known.first, last(), known.max_horizon_ns) : kNoSpan;
 });
+
+export const home = createMemo<Span>(() => homeOf(info()?.first ?? 0n, last(), limits()));
 
 export const isFuture = createMemo(() => cursor() > last());
 

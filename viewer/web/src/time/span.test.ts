@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { kMinSpanNs, lengthOf, limitsOf, pan, showing, timeAt, within, xOf, zoom, type Span } from './span';
+import { homeOf, kMinSpanNs, lengthOf, limitsOf, pan, showing, timeAt, within, xOf, zoom, type Span } from './span';
 
 const first = 1767250800000000000n;
 const life: Span = { from: first, to: first + 1_380_000_000_000n };
@@ -52,6 +52,12 @@ describe('spans of time', () => {
     const moved = showing(span, first + 60_000_000_000n, life);
     expect(lengthOf(moved)).toBe(lengthOf(span));
     expect(moved.from + lengthOf(moved) / 2n).toBe(first + 60_000_000_000n);
+  });
+  it('show all that was at first, and little of what is to come', () => {
+    const limits = limitsOf(first, first + 20_000_000_000n, 60_000_000_000n);
+    const home = homeOf(first, first + 20_000_000_000n, limits);
+    expect(home.from).toBe(limits.from);
+    expect(Number(home.to - first) / 1e9).toBeCloseTo(21.3, 1);
   });
   it('leave room for the future behind the last snapshot', () => {
     expect(limitsOf(first, first + 1000n, 60n).to).toBeGreaterThan(first + 1060n);

@@ -67,6 +67,12 @@ export function showing(span: Span, time: bigint, limits: Span): Span {
   return within({ from: time - half, to: time - half + lengthOf(span) }, limits);
 }
 
+/** What is shown at first: all that was, and of what is to come a fifteenth of that at most. */
+export function homeOf(first: bigint, last: bigint, limits: Span): Span {
+  const life = last > first ? last - first : 1_000_000_000n;
+  return within({ from: limits.from, to: clampTime(last + life / 15n + kMinSpanNs, limits) }, limits);
+}
+
 /** The whole of a memory and what is to come after it, with a little air before. */
 export function limitsOf(first: bigint, last: bigint, horizonNs: bigint): Span {
   const life = last > first ? last - first : 1_000_000_000n;

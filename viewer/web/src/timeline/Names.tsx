@@ -10,14 +10,18 @@ export function Names(props: { rows: readonly Row[]; shown: { first: number; end
   const focusRow = (id: string) => queueMicrotask(() => document.getElementById(`row-${id}`)?.focus({ preventScroll: true }));
   const choose = (row: Row | undefined) => {
     if (!row) return;
-    setSelected(row.id);
+    // A level is walked over; what is chosen is an entity.
+    if (row.isEntity) setSelected(row.id);
     focusRow(row.id);
   };
   const onKey = (event: KeyboardEvent, row: Row) => {
     const by = event.shiftKey ? 10 : 1;
     if (event.key === 'ArrowDown') choose(neighbour(props.rows, row.id, by));
     else if (event.key === 'ArrowUp') choose(neighbour(props.rows, row.id, -by));
-    else if (event.key === 'Enter' && !row.isEntity) props.onToggle(row);
+    else if (event.key === 'Enter' && !row.isEntity) {
+      props.onToggle(row);
+      focusRow(row.id);
+    }
     else return;
     event.preventDefault();
     event.stopPropagation();

@@ -35,7 +35,8 @@ export function Header(props: { onDialog: (dialog: 'search' | 'help' | 'time') =
           <For each={kSpeeds}>{(value) => <option value={String(value)}>{value}×</option>}</For>
         </select>
       </div>
-      <button class="clock" classList={{ future: isFuture() }} onClick={() => props.onDialog('time')} title="Go to a time (g)" aria-label={`Cursor at ${formatDate(cursor())} ${formatClock(cursor(), 9)}; go to a time`}>
+      <button class="clock" classList={{ future: isFuture() }} onClick={() => props.onDialog('time')} title="Go to a time (g)">
+        <span class="unseen">Cursor at </span>
         <span class="date">{formatDate(cursor())}</span><span class="time">{formatClock(cursor(), 6)}</span><span class="nano">{formatClock(cursor(), 9).slice(15)}</span>
         <span class="when">{isFuture() ? `+${formatDuration(cursor() - last())}` : cursor() === last() ? 'last' : `−${formatDuration(last() - cursor())}`}</span>
       </button>

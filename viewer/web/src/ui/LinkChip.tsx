@@ -10,7 +10,8 @@ export function LinkChip(props: { id: string; direction: 'to' | 'from'; path: st
   const away = () => { const time = parts().time; return time === undefined ? '' : time === cursor() ? 'now' : `${time > cursor() ? '+' : '−'}${formatDuration(time > cursor() ? time - cursor() : cursor() - time)}`; };
   const name = () => { const levels = parts().entity.split('/'); return levels.length > 2 ? `${levels.at(-2)}/${shortName(parts().entity)}` : parts().entity; };
   return (
-    <button class={`chip ${props.direction}`} title={props.id} onClick={() => follow(props.id)} aria-label={`${props.direction === 'to' ? 'Links to' : 'Linked from'} ${props.id}${props.path ? `, member ${props.path}` : ''}`}>
+    <button class={`chip ${props.direction}`} title={props.id} onClick={() => follow(props.id)}>
+      <span class="unseen">{`${props.direction === 'to' ? 'Links to' : 'Linked from'} ${props.id}${props.path ? `, member ${props.path}` : ''}: `}</span>
       <span aria-hidden="true">{props.direction === 'to' ? '→' : '←'}</span> {name()} <span class="away">{away()}</span>
     </button>
   );

@@ -4,7 +4,7 @@ import { formatBytes, formatClock } from '../../time/format';
 import { SourceTag } from '../../ui/SourceTag';
 import type { Tile } from './load';
 
-/** Draws a bitmap at its own size; the style sheet scales it without smoothing. */
+/** Draws a bitmap at its own size; the style sheet scales it without smoothing. Without a label it adorns a text. */
 export function Bitmap(props: { bitmap: ImageBitmap; label: string }) {
   let canvas!: HTMLCanvasElement;
   createEffect(() => {
@@ -13,7 +13,7 @@ export function Bitmap(props: { bitmap: ImageBitmap; label: string }) {
     canvas.height = bitmap.height;
     canvas.getContext('2d')!.drawImage(bitmap, 0, 0);
   });
-  return <canvas ref={canvas} class="picture" role="img" aria-label={props.label} />;
+  return <canvas ref={canvas} class="picture" role={props.label ? 'img' : undefined} aria-label={props.label || undefined} aria-hidden={props.label ? undefined : 'true'} />;
 }
 
 /** What a picture is and how good it is, in a line or two. */

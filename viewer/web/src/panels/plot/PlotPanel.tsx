@@ -64,7 +64,7 @@ export function PlotPanel(props: { panel: Panel }) {
     const most = info()?.max_horizon_ns ?? 0n;
     const isPast = fromHere() && restCursor() > 0n && restCursor() < last();
     const from = isPast ? restCursor() : (nodeOf(entity)?.last ?? last());
-    const wanted = isPast ? kReachNs : view().to - from;
+    const wanted = isPast ? kReachNs : restView().to - from;
     const reach = wanted < most ? wanted : most;
     if (paths.length === 0 || reach <= 0n) return null;
     return { group: `${entity} ${paths.join(' ')} ${isPast}`, run: (signal) => foresee(entity, paths, isPast ? from : undefined, reach, setCoarse, signal) };
