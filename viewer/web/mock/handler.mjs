@@ -63,7 +63,7 @@ function image(query) {
   if (!['camera', 'hand_camera', 'depth'].includes(entity.kind)) throw new Refusal(404, 'kNotFound', `entity '${entity.id}' has no image`);
   const eye = instance * 6 + (entity.kind === 'hand_camera' ? 24 : 0);
   const paint = (t) => (entity.kind === 'depth' ? depthOf(scene(t, eye)) : scene(t, eye));
-  const headers = { 'X-Engram-Width': '128', 'X-Engram-Height': '128' };
+  const headers = { 'X-Engram-Width': '128', 'X-Engram-Height': '128', ...(entity.kind === 'depth' ? { 'X-Engram-Min': '400', 'X-Engram-Max': '4200' } : {}) };
   if (form === 'predicted') {
     const horizon = Number(need(query, 'horizon'));
     const from = Number(BigInt(query.get('from') ?? time - BigInt(horizon)) - kStart);

@@ -77,6 +77,8 @@ export interface Picture {
   readonly gain?: number;
   readonly expectedError?: number;
   readonly bound?: number;
+  /** Values of black and white, where they are no colours: depth. */
+  readonly range?: readonly [number, number];
 }
 
 export async function getImage(params: Params, signal?: AbortSignal): Promise<Picture> {
@@ -86,6 +88,7 @@ export async function getImage(params: Params, signal?: AbortSignal): Promise<Pi
     const found = Number.parseFloat(text(name) ?? '');
     return Number.isFinite(found) ? found : undefined;
   };
+  const [low, high] = [value('Min'), value('Max')];
   let bitmap: ImageBitmap;
   try {
     bitmap = await createImageBitmap(await response.blob());
@@ -94,6 +97,6 @@ export async function getImage(params: Params, signal?: AbortSignal): Promise<Pi
   }
   return {
     bitmap, source: text('Source') ?? 'unknown', model: text('Model'), psnr: value('PSNR'), bytes: value('Bytes'), gain: value('Gain'),
-    expectedError: value('Expected-Error'), bound: value('Bound'),
+    expectedError: value('Expected-Error'), bound: value('Bound'), ...(low !== undefined && high !== undefined ? { range: [low, high] as const } : {}),
   };
 }

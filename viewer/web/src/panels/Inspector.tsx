@@ -29,7 +29,7 @@ export function Inspector(props: { panel: Panel }) {
   });
   const types = createMemo(() => new Map((members.data() ?? []).map((member) => [member.path, member])));
   return (
-    <PanelFrame panel={props.panel} icon="list-tree" title="Inspector" isBusy={moment.isBusy()} error={moment.error() || linked.error()} onRetry={moment.error() ? moment.retry : linked.retry}
+    <PanelFrame panel={props.panel} icon="list-tree" title="Inspector" entity={selected()} isBusy={moment.isBusy()} error={moment.error() || linked.error()} onRetry={moment.error() ? moment.retry : linked.retry}
       actions={<Show when={moment.data()}>{(here) => <>
         <IconButton icon="copy" label="Copy the ID of this snapshot" onClick={() => void copy(here().id, 'the ID')} />
         <IconButton icon="terminal" label="Copy the query of this snapshot" onClick={() => void copy(momentQuery(selected(), here().time), 'the query')} />
@@ -59,7 +59,6 @@ export function Inspector(props: { panel: Panel }) {
 function Facts(props: { moment: Moment }) {
   return (
     <dl class="facts">
-      <dt>Entity</dt><dd class="entity-path">{selected()}</dd>
       <dt>Time</dt><dd>{formatTime(props.moment.time)}</dd>
       <dt>Source</dt><dd><SourceTag source={props.moment.source} /> {props.moment.engine ?? props.moment.model ?? ''}</dd>
       <Show when={props.moment.horizon !== undefined}><dt>Horizon</dt><dd>+{formatDuration(props.moment.horizon!)}</dd></Show>

@@ -10,6 +10,8 @@ export interface FrameProps {
   readonly panel: Panel;
   readonly icon: IconName;
   readonly title: string;
+  /** What is shown, where the panel follows the chosen entity. */
+  readonly entity?: string;
   readonly isBusy?: boolean;
   /** What went wrong and what to do; shown instead of the body. */
   readonly error?: string;
@@ -20,6 +22,7 @@ export interface FrameProps {
 
 /** Head and body of a panel: title, its own buttons, moving and closing, errors as text. */
 export function PanelFrame(props: FrameProps) {
+  const entity = () => props.entity ?? props.panel.entity;
   const place = () => panels().findIndex((panel) => panel.key === props.panel.key);
   const drop = () => {
     const from = dragged();
@@ -33,8 +36,8 @@ export function PanelFrame(props: FrameProps) {
       <header class="panel-head" draggable="true" onDragStart={() => setDragged(props.panel.key)} onDragEnd={() => setDragged(null)}>
         <Icon name={props.icon} />
         <h2>{props.title}</h2>
-        <Show when={props.panel.entity}>
-          <button class="entity" classList={{ chosen: selected() === props.panel.entity }} title={`Choose ${props.panel.entity}`} onClick={() => setSelected(props.panel.entity)}><bdi>{props.panel.entity}</bdi></button>
+        <Show when={entity()}>
+          <button class="entity" classList={{ chosen: selected() === entity(), 'entity-path': props.entity !== undefined }} title={`Choose ${entity()}`} onClick={() => setSelected(entity())}><bdi>{entity()}</bdi></button>
         </Show>
         <span class="busy" classList={{ on: props.isBusy ?? false }} role="status" aria-label={props.isBusy ? 'loading' : ''} />
         <span class="panel-actions">

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createEffect, Show } from 'solid-js';
-import { formatBytes, formatClock } from '../../time/format';
+import { formatBytes, formatClock, formatNumber } from '../../time/format';
 import { SourceTag } from '../../ui/SourceTag';
 import type { Tile } from './load';
 
@@ -23,6 +23,7 @@ export function captionOf(tile: Tile): string {
   const parts = [
     picture.psnr !== undefined && picture.source !== 'recorded' ? `${picture.psnr.toFixed(1)} dB` : '',
     picture.bytes !== undefined ? formatBytes(picture.bytes) : '',
+    picture.range ? `black ${formatNumber(picture.range[0])}, white ${formatNumber(picture.range[1])}` : '',
     picture.gain !== undefined ? `gain ${picture.gain}` : '',
     picture.expectedError !== undefined ? `expected error ${picture.expectedError.toPrecision(2)}` : '',
     picture.bound !== undefined ? `bound ${picture.bound.toPrecision(2)}` : '',
