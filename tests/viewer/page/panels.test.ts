@@ -106,7 +106,8 @@ describe('plots', () => {
     await plot.getByRole('button', { name: 'Choose series' }).click();
     await plot.getByLabel('Search series').fill('hand_right_thumb_1 rad/s');
     await plot.getByRole('checkbox').first().check();
-    await plot.getByRole('button', { name: 'Choose series' }).click();
+    await page.keyboard.press('Escape');
+    expect(await plot.getByLabel('Search series').count()).toBe(0);
     await plot.getByRole('button', { name: /hand_right_thumb_1 velocity/ }).waitFor();
   });
 

@@ -132,6 +132,7 @@ describe('the timeline', () => {
     await page.mouse.move(box.x + 400, box.y + 100, { steps: 4 });
     await page.mouse.up();
     await page.keyboard.up('Shift');
+    expect(await page.evaluate(() => String(getSelection()))).toBe('');
     await page.getByRole('button', { name: 'Copy engram export' }).click();
     const copied = await page.evaluate(() => navigator.clipboard.readText());
     expect(copied).toMatch(/^engram export \/data\/kitchen\.engram 'Vision\/RGB\/head\/stereo @ 2026-01-01 07:0\d:\d\d\.\d+\.\.2026-01-01 07:0\d:\d\d\.\d+' --to jsonl -o exported$/);

@@ -88,8 +88,15 @@ export function listen(element: HTMLElement, to: Gestures): () => void {
     }
   };
 
+  // Else a drag with shift would mark the text of the whole page. It keeps the focus from coming, too.
+  const onMouseDown = (event: MouseEvent): void => {
+    event.preventDefault();
+    element.focus({ preventScroll: true });
+  };
+
   const onLeave = (): void => to.hover(null);
   element.addEventListener('wheel', onWheel, { passive: false });
+  element.addEventListener('mousedown', onMouseDown);
   element.addEventListener('pointerdown', onDown);
   element.addEventListener('pointermove', onMove);
   element.addEventListener('pointerup', onUp);
@@ -97,6 +104,7 @@ export function listen(element: HTMLElement, to: Gestures): () => void {
   element.addEventListener('pointerleave', onLeave);
   return () => {
     element.removeEventListener('wheel', onWheel);
+    element.removeEventListener('mousedown', onMouseDown);
     element.removeEventListener('pointerdown', onDown);
     element.removeEventListener('pointermove', onMove);
     element.removeEventListener('pointerup', onUp);

@@ -12,8 +12,14 @@ import { IconButton } from './Icon';
 function Dialog(props: { title: string; onClose: () => void; children: JSX.Element }) {
   let element!: HTMLDialogElement;
   onMount(() => element.showModal());
+  // In a search field, browsers take the first Escape to empty it.
+  const onKey = (event: KeyboardEvent) => {
+    if (event.key !== 'Escape') return;
+    event.preventDefault();
+    element.close();
+  };
   return (
-    <dialog ref={element} aria-label={props.title} onClose={() => props.onClose()} onClick={(event) => { if (event.target === element) element.close(); }}>
+    <dialog ref={element} aria-label={props.title} onKeyDown={onKey} onClose={() => props.onClose()} onClick={(event) => { if (event.target === element) element.close(); }}>
       <div class="dialog-body">
         <header><h2>{props.title}</h2><IconButton icon="x" label="Close" onClick={() => element.close()} /></header>
         {props.children}

@@ -127,7 +127,7 @@ export function PlotPanel(props: { panel: Panel }) {
         <Show when={(best()?.share ?? 1) < 1}><span class="muted" title="The gateway reads on while the picture rests">{Math.max(1, Math.round(best()!.share * 100))} % read</span></Show>
         <Show when={shownFuture()?.engine}><span class="muted engine">predicted by {shownFuture()!.engine}</span></Show>
       </div>
-      <Show when={isPicking()}><SeriesPicker panel={props.panel} members={numbers()} /></Show>
+      <Show when={isPicking()}><SeriesPicker panel={props.panel} members={numbers()} onClose={() => setPicking(false)} /></Show>
       <Show when={props.panel.paths.length > 0} fallback={<Empty title="No series is chosen"><button onClick={() => setPicking(true)}>Choose series</button></Empty>}>
         <Show when={isTable() && best()}><SeriesTable plotted={best()!} labels={props.panel.paths.map(label)} /></Show>
         <div class="plot" hidden={isTable()} ref={sizeRef}>

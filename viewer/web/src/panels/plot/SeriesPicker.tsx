@@ -7,7 +7,7 @@ import { visibleRows } from '../../timeline/layout';
 const kMaxSeries = 32;
 
 /** Finds members among thousands; only those on the screen exist. */
-export function SeriesPicker(props: { panel: Panel; members: readonly Member[] }) {
+export function SeriesPicker(props: { panel: Panel; members: readonly Member[]; onClose: () => void }) {
   const [text, setText] = createSignal('');
   const [scrollTop, setScrollTop] = createSignal(0);
   const found = createMemo(() => {
@@ -21,9 +21,9 @@ export function SeriesPicker(props: { panel: Panel; members: readonly Member[] }
     else if (paths.length < kMaxSeries) updatePanel(props.panel.key, { paths: [...paths, path] });
   };
   return (
-    <div class="picker">
-      <input type="search" placeholder={`Search ${props.members.length} series`} aria-label="Search series" value={text()} onInput={(event) => { setText(event.currentTarget.value); setScrollTop(0); }} />
-      <div class="picker-list" role="group" aria-label="Series" tabindex="0" onScroll={(event) => setScrollTop(event.currentTarget.scrollTop)}>
+    <div class="picker" onKeyDown={(event) => { if (event.key === 'Escape') { event.stopPropagation(); props.onClose(); } }}>
+      <input type="search" ref={(input) => queueMicrotask(() => input.focus())} placeholder={`Search ${props.members.length} series`} aria-label="Search series" value={text()} onInput={(event) => { setText(event.currentTarget.value); setScrollTop(0); }} />
+      <div class="picker-list" role="group" aria-label="Series" tabindex="0" style={{ height: `${Math.max(22, Math.min(154, found().length * 22))}px` }} onScroll={(event) => setScrollTop(event.currentTarget.scrollTop)}>
         <div class="picker-all" style={{ height: `${found().length * 22}px` }}>
           <For each={found().slice(shown().first, shown().end)}>{(member, i) => (
             <label class="picker-row" style={{ top: `${(i() + shown().first) * 22}px` }}>
