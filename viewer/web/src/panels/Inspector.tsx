@@ -25,7 +25,7 @@ export function Inspector(props: { panel: Panel }) {
   createEffect(() => {
     const here = moment.data();
     const found = linked.data();
-    setSelectedLinks(here && found ? { id: here.id, ids: [...found.to.map((one) => one.id), ...found.from] } : null);
+    setSelectedLinks(here && found ? { id: here.id, ids: [...new Set([...found.to.map((one) => one.id), ...found.from])] } : null);
   });
   const types = createMemo(() => new Map((members.data() ?? []).map((member) => [member.path, member])));
   return (
@@ -74,12 +74,14 @@ function Chips(props: { links: Links }) {
   const kFew = 6;
   const [isAll, setAll] = createSignal(false);
   const any = () => props.links.to.length + props.links.from.length > 0;
-  const from = () => (isAll() ? props.links.from : props.links.from.slice(0, Math.max(0, kFew - props.links.to.length)));
+  // The eyes of a stereo pair link to the same joints.
+  const to = () => props.links.to.filter((link, i, all) => all.findIndex((other) => other.id === link.id) === i);
+  const from = () => (isAll() ? props.links.from : props.links.from.slice(0, Math.max(0, kFew - to().length)));
   const more = () => props.links.from.length - from().length;
   return (
     <Show when={any()}>
       <div class="chips" role="group" aria-label="Links of this snapshot">
-        <For each={props.links.to}>{(link) => <LinkChip id={link.id} direction="to" path={link.path} />}</For>
+        <For each={to()}>{(link) => <LinkChip id={link.id} direction="to" path={link.path} />}</For>
         <For each={from()}>{(id) => <LinkChip id={id} direction="from" path="" />}</For>
         <Show when={more() > 0}><button class="chip" onClick={() => setAll(true)}>and {more()} more</button></Show>
       </div>

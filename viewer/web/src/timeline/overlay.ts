@@ -103,6 +103,11 @@ function drawLinks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
   c.strokeStyle = theme.ink;
   c.fillStyle = theme.ink;
   c.lineWidth = 1.2;
+  // Lanes that are scrolled away lie behind the axis.
+  c.save();
+  c.beginPath();
+  c.rect(0, kAxisHeight, view.width, view.height - kAxisHeight);
+  c.clip();
   for (const link of view.links) {
     const from = { x: x(link.from), y: link.fromY };
     const to = { x: x(link.to), y: link.toY };
@@ -127,4 +132,5 @@ function drawLinks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
     c.arc(to.x, to.y, 3, 0, 7);
     c.fill();
   }
+  c.restore();
 }
