@@ -47,7 +47,8 @@ Result<FoundImage> predicted_image(ViewedMemory& viewed, const RequestTarget& ta
   ENGRAM_ASSIGN_OR_RETURN(const int64_t horizon,
                           target.integer("horizon", 1, Duration::max().count()));
   const Duration ahead(horizon);
-  ENGRAM_ASSIGN_OR_RETURN(auto found, viewed.memory().predict(id.entity(), {&ahead, 1}, options));
+  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
+  ENGRAM_ASSIGN_OR_RETURN(auto found, memory->predict(id.entity(), {&ahead, 1}, options));
   if (found.empty()) return not_found("'{}': nothing was predicted", id.to_string());
   return image_in(std::move(found.front()), id, path);
 }

@@ -158,7 +158,11 @@ ViewAnswer answer_moment(ViewedMemory& viewed, const RequestTarget& target) {
   ltm::Selector selector = ltm::select::At{at};
   if (which == "at-or-before") selector = ltm::select::Before{at, true};
   if (which == "nearest") selector = ltm::select::Nearest{at};
-  ENGRAM_ASSIGN_OR_RETURN(const auto found, find_one(viewed.memory(), entity, selector));
+  Memory* memory = &viewed.memory();
+  if (which == "predict") {
+    ENGRAM_ASSIGN_OR_RETURN(memory, viewed.for_long_questions());
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const auto found, find_one(*memory, entity, selector));
   if (!found || (which == "exact" && found->source == ltm::Source::kPredicted))
     return not_found("'{}': has no snapshot for '{}' of {}", entity.to_string(), which,
                      to_string(at));
@@ -210,7 +214,8 @@ ViewAnswer answer_predict(ViewedMemory& viewed, const RequestTarget& target) {
   if (target.find("at")) {
     ENGRAM_ASSIGN_OR_RETURN(options.at, target.time("at"));
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto found, viewed.memory().predict(entity, horizons, options));
+  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
+  ENGRAM_ASSIGN_OR_RETURN(const auto found, memory->predict(entity, horizons, options));
   const auto type = viewed.type_of(entity);
   MomentJson list = MomentJson::array();
   for (const ltm::SnapshotResult& snapshot : found) {
@@ -225,7 +230,8 @@ ViewAnswer answer_query(ViewedMemory& viewed, const RequestTarget& target) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse(text));
   MomentJson list = MomentJson::array();
   size_t bytes = 0;
-  ENGRAM_RETURN_IF_ERROR(viewed.memory().query_parts(query, [&](const ltm::QueryResult& part) {
+  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
+  ENGRAM_RETURN_IF_ERROR(memory->query_parts(query, [&](const ltm::QueryResult& part) {
     return add_part(part, query.is_ids_only(), list, bytes);
   }));
   return json_response({{query.is_ids_only() ? "ids" : "entities", std::move(list)}});
@@ -236,12 +242,12 @@ ViewAnswer answer_similar(ViewedMemory& viewed, const RequestTarget& target) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, target.moment("id"));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t count, target.integer("k", 1, kMaxSimilar, 10));
   ENGRAM_ASSIGN_OR_RETURN(const std::string one_per, target.choice("one_per", {"recording"}, ""));
-  ENGRAM_ASSIGN_OR_RETURN(
-      const ltm::SimilarAnswer found,
-      viewed.memory().similar({.entity = id.entity(),
-                               .moment = id.time(),
-                               .count = static_cast<size_t>(count),
-                               .is_one_per_recording = one_per == "recording"}));
+  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::SimilarAnswer found,
+                          memory->similar({.entity = id.entity(),
+                                           .moment = id.time(),
+                                           .count = static_cast<size_t>(count),
+                                           .is_one_per_recording = one_per == "recording"}));
   MomentJson list = MomentJson::array();
   for (const ltm::SimilarMoment& moment : found.moments)
     list.push_back({{"id", found.entity.at(moment.time).to_string()},

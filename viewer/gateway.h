@@ -21,10 +21,10 @@ namespace engram::viewer {
 class Gateway {
  public:
   struct Options {
-    std::string address = "127.0.0.1";  ///< Of this machine, as numbers.
-    uint16_t port = 0;                  ///< 0: any.
-    size_t max_connections = 256;       ///< Further ones are closed at once.
-    size_t workers = 4;
+    std::string address = "127.0.0.1";                  ///< Of this machine, as numbers.
+    uint16_t port = 0;                                  ///< 0: any.
+    size_t max_connections = 256;                       ///< Further ones are closed at once.
+    size_t workers = 8;                                 ///< Some wait for long questions.
     size_t max_waiting = 256;                           ///< Further requests are answered with 503.
     size_t max_header_bytes = 80 << 10;                 ///< Longer requests are answered with 431.
     Duration first_request = std::chrono::seconds(10);  ///< Until it is there whole.

@@ -34,6 +34,15 @@ Result<Memory*> ViewedMemory::latents() {
   return latents_.get();
 }
 
+Result<Memory*> ViewedMemory::for_long_questions() {
+  if (!is_store()) return memory_.get();  // A server has threads for them.
+  const MutexLock lock(mutex_);
+  if (for_long_questions_ == nullptr) {
+    ENGRAM_ASSIGN_OR_RETURN(for_long_questions_, options_.open(false));
+  }
+  return for_long_questions_.get();
+}
+
 Result<ViewedMemory::Lent> ViewedMemory::open_reader() {
   // Taken before it is opened: a store that changes meanwhile has another mark then.
   ltm::StoreMark mark = ltm::look_at_store(options_.store);

@@ -51,6 +51,12 @@ class ViewedMemory {
 
   [[nodiscard]] Memory& memory() { return *memory_; }
 
+  /// The same memory for questions that may take seconds: predictions learn first, and likeness
+  /// codes first. A memory of a store answers one question after the other, and looking at a moment
+  /// must not wait for those. Opened when it is asked for.
+  /// Errors: those of `options.open`.
+  Result<Memory*> for_long_questions();
+
   /// The same memory, answering from latents where a snapshot has both forms.
   /// Errors: kFailedPrecondition for a server, which has its preference configured.
   Result<Memory*> latents();
@@ -90,6 +96,7 @@ class ViewedMemory {
   std::unique_ptr<Memory> memory_;
   Mutex mutex_;
   std::unique_ptr<Memory> latents_ ENGRAM_GUARDED_BY(mutex_);
+  std::unique_ptr<Memory> for_long_questions_ ENGRAM_GUARDED_BY(mutex_);
   std::vector<Lent> idle_ ENGRAM_GUARDED_BY(mutex_);
   ltm::StoreMark mark_ ENGRAM_GUARDED_BY(mutex_);                         ///< Of the newest state.
   uint64_t state_ ENGRAM_GUARDED_BY(mutex_) = 0;                          ///< Its number.

@@ -11,6 +11,8 @@ import math
 import pathlib
 import sys
 import tempfile
+import threading
+import time
 import unittest
 from typing import Any
 
@@ -231,6 +233,24 @@ class AnswersTest(unittest.TestCase):
         for wrong in ("0", "-1", "nan", "1,", "", "1e9", "9" * 30, ",".join(["1"] * 65)):
             self.assertEqual(self.viewed.error("/api/predict", entity=JOINTS, horizon=wrong),
                              (400, "kInvalidArgument"), wrong)
+
+    def test_moments_do_not_wait_for_predictions(self) -> None:
+        done: list[str] = []
+        with Viewed(ENGRAM, str(self.store)) as viewed:
+            viewed.json("/api/moment", entity=JOINTS, at=self.entities[JOINTS]["last_ns"])
+
+            def predict() -> None:
+                viewed.json("/api/predict", entity=STEREO, horizon=400_000_000)
+                done.append("predicted")
+
+            # The first prediction learns from the past, for seconds.
+            waiting = threading.Thread(target=predict)
+            waiting.start()
+            time.sleep(0.2)
+            viewed.json("/api/moment", entity=JOINTS, at=self.entities[JOINTS]["last_ns"])
+            done.append("shown")
+            waiting.join()
+        self.assertEqual(done, ["shown", "predicted"])
 
     def test_queries_are_answered_as_the_command_does(self) -> None:
         for text in (f"{JOINTS} @ latest:2", f"?ids {JOINTS} @ latest:3",
