@@ -26,13 +26,14 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo bench bench-build crash crash-night faults soak server-cut fuzz \
+.PHONY: help packages build test demo view bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
 	@echo "             (RECORDINGS=dir, DEMO_BUDGET=150s, DEMO_SECONDS=60, DEMO_PRESET=release)"
+	@echo "make view    the demo's memory in the browser, until Ctrl-C (DEMO_PRESET=release)"
 	@echo "make test    build with debug information and run all tests"
 	@echo "make check-headers   compile every public header alone"
 	@echo "make check-locks     is what a mutex guards used with it held? (clang 14)"
@@ -95,6 +96,10 @@ test: build/dev/build.ninja packages
 demo: build/$(DEMO_PRESET)/build.ninja packages
 	cmake --build --preset $(DEMO_PRESET) --target engram
 	experiments/demo.sh build/$(DEMO_PRESET)/bin/engram demo "$(RECORDINGS)" $(DEMO_BUDGET) $(DEMO_SECONDS)
+
+# The demo has made the memory and built the program.
+view:
+	build/$(DEMO_PRESET)/bin/engram view demo/robot.engram
 
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON

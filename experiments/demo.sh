@@ -125,3 +125,4 @@ say "6. How good is it?"
 # shellcheck disable=SC2086  # options or none
 run eval "$store" $learned --picture "$dir/eval.png"
 printf '\nLook at %s: recorded, reconstructed and predicted side by side.\n' "$dir/eval.png"
+printf 'Look around in its memory: %s view %s\n' "$engram" "$store"

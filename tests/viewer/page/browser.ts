@@ -129,4 +129,5 @@ export const coloursOf = (page: Page, selector: string): Promise<string[]> =>
     return [...found];
   });
 
-export const axeSource = (): string => readFileSync(createRequire(new URL('../../../viewer/web/package.json', import.meta.url)).resolve('axe-core/axe.min.js'), 'utf8');
+/** Of the folder in which the tests are run, which has the libraries of the page. */
+export const axeSource = (): string => readFileSync(createRequire(`${process.cwd()}/package.json`).resolve('axe-core/axe.min.js'), 'utf8');
