@@ -14,7 +14,7 @@ import { Bitmap } from './images/PictureTile';
 const thumbnails = new Turns(3);
 const kCounts = ['6', '12', '24'];
 
-/** When it was like this before: the nearest moments, one of each recording. */
+/** When it was like this before: the nearest moments, one of each recording where there are several. */
 export function SimilarPanel(props: { panel: Panel }) {
   const entity = () => props.panel.entity;
   const members = createMembers(entity);
@@ -32,7 +32,10 @@ export function SimilarPanel(props: { panel: Panel }) {
       group: `${entity()} ${k}`,
       run: async (signal) => {
         const here = await getJson('moment', { entity: entity(), at: time }, momentDecoder, signal);
-        return (await getJson('similar', { id: here.id, k, one_per: 'recording' }, similar, signal)).found;
+        const ask = async (more: { one_per?: string }) => (await getJson('similar', { id: here.id, k, ...more }, similar, signal)).found;
+        const ofEach = await ask({ one_per: 'recording' });
+        // Of a memory with one recording that would be one moment.
+        return ofEach.length > 1 ? ofEach : ask({});
       },
     };
   });
