@@ -36,11 +36,11 @@ def copy_sources(source: pathlib.Path, work: pathlib.Path) -> None:
 def run(work: pathlib.Path, *words: str) -> None:
     try:
         done = subprocess.run(words, cwd=work, text=True, stdout=subprocess.PIPE,
-                              stderr=subprocess.STDOUT, timeout=900, check=False)
+                              stderr=subprocess.STDOUT, timeout=600, check=False)
     except FileNotFoundError:
         raise PageError(f"'{words[0]}' is missing: apt-get install nodejs npm") from None
     except subprocess.TimeoutExpired:
-        raise PageError(f"'{' '.join(words)}' took longer than 15 minutes") from None
+        raise PageError(f"'{' '.join(words)}' took longer than 10 minutes") from None
     if done.returncode != 0:
         tail = "\n".join(done.stdout.strip().split("\n")[-20:])
         raise PageError(f"'{' '.join(words)}' failed:\n{tail}")
