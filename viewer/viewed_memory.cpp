@@ -28,19 +28,20 @@ Result<Memory*> ViewedMemory::latents() {
         "both",
         options_.name);
   const MutexLock lock(mutex_);
-  if (latents_ == nullptr) {
-    ENGRAM_ASSIGN_OR_RETURN(latents_, options_.open(true));
-  }
-  return latents_.get();
+  return opened(latents_, true);
 }
 
 Result<Memory*> ViewedMemory::for_long_questions() {
   if (!is_store()) return memory_.get();  // A server has threads for them.
   const MutexLock lock(mutex_);
-  if (for_long_questions_ == nullptr) {
-    ENGRAM_ASSIGN_OR_RETURN(for_long_questions_, options_.open(false));
+  return opened(for_long_questions_, false);
+}
+
+Result<Memory*> ViewedMemory::opened(std::unique_ptr<Memory>& memory, bool prefers_latents) {
+  if (memory == nullptr) {
+    ENGRAM_ASSIGN_OR_RETURN(memory, options_.open(prefers_latents));
   }
-  return for_long_questions_.get();
+  return memory.get();
 }
 
 Result<ViewedMemory::Lent> ViewedMemory::open_reader() {
@@ -48,7 +49,6 @@ Result<ViewedMemory::Lent> ViewedMemory::open_reader() {
   ltm::StoreMark mark = ltm::look_at_store(options_.store);
   Lent lent;
   ENGRAM_ASSIGN_OR_RETURN(lent.reader, ltm::StoreReader::open(options_.store));
-  lent.times = std::make_unique<ltm::StoreTimes>(*lent.reader);
   lent.opened = steady_now();
   const MutexLock lock(mutex_);
   if (state_ == 0 || mark != mark_) {
@@ -83,7 +83,7 @@ Status ViewedMemory::with_store(const Read& read) {
   Status last;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     ENGRAM_ASSIGN_OR_RETURN(Lent lent, lend(attempt > 0));
-    last = read({*lent.reader, *lent.times, lent.state});
+    last = read({*lent.reader, lent.state});
     if (last.code() == StatusCode::kUnavailable) continue;
     // A reader that met damage is not lent again: the store may be repaired.
     const MutexLock lock(mutex_);
@@ -101,7 +101,7 @@ Result<ViewedMemory::SharedTimes> ViewedMemory::times(const StoreView& view,
     const auto known = times_.find(entity);
     if (view.state == state_ && known != times_.end()) return known->second;
   }
-  ENGRAM_ASSIGN_OR_RETURN(ltm::EntityTimes read, view.times.of(entity));
+  ENGRAM_ASSIGN_OR_RETURN(ltm::EntityTimes read, view.reader.times(entity));
   auto shared = std::make_shared<const ltm::EntityTimes>(std::move(read));
   const MutexLock lock(mutex_);
   if (view.state != state_) return SharedTimes(shared);

@@ -12,7 +12,7 @@
 #include "ltm/core/mutex.h"
 #include "ltm/idf/type.h"
 #include "ltm/store/store_mark.h"
-#include "ltm/store/store_times.h"
+#include "ltm/store/store_reader.h"
 #include "memory/memory.h"
 
 namespace engram::viewer {
@@ -20,7 +20,6 @@ namespace engram::viewer {
 /// A state of a store as one request sees it.
 struct StoreView {
   ltm::StoreReader& reader;
-  ltm::StoreTimes& times;
   uint64_t state = 0;  ///< Views of one state have the same number.
 };
 
@@ -68,7 +67,7 @@ class ViewedMemory {
   Status with_store(const Read& read);
 
   /// The times of an entity's snapshots in `view`. They are kept until the store changes.
-  /// Errors: those of StoreTimes::of.
+  /// Errors: those of StoreReader::times.
   using SharedTimes = std::shared_ptr<const ltm::EntityTimes>;
   Result<SharedTimes> times(const StoreView& view, const ltm::MemoryId& entity);
 
@@ -82,13 +81,15 @@ class ViewedMemory {
  private:
   struct Lent {
     std::unique_ptr<ltm::StoreReader> reader;
-    std::unique_ptr<ltm::StoreTimes> times;
     uint64_t state = 0;
     SteadyTime opened{};
   };
 
   explicit ViewedMemory(Options options) : options_(std::move(options)) {}
 
+  /// A memory that is opened when it is asked for first.
+  Result<Memory*> opened(std::unique_ptr<Memory>& memory, bool prefers_latents)
+      ENGRAM_REQUIRES(mutex_);
   Result<Lent> lend(bool is_new);
   Result<Lent> open_reader();
 

@@ -278,6 +278,25 @@ Result<Timeline*> StoreReader::timeline(const MemoryId& entity) {
               .first->second;
 }
 
+Result<EntityTimes> StoreReader::times(const MemoryId& entity) {
+  if (!state_->has(entity)) return state_->no_such_entity(entity, entities());
+  EntityTimes times;
+  for (const auto& [number, part] : state_->stored.of(entity)) {
+    if (part->snapshots == 0) continue;
+    ENGRAM_ASSIGN_OR_RETURN(SegmentReader * segment, state_->segment(number));
+    ENGRAM_ASSIGN_OR_RETURN(const auto spans, segment->index(entity));
+    std::vector<Time> some(spans.size());
+    std::ranges::transform(spans, some.begin(), &RowSpan::time);
+    times.add(some, state_->manifest.segments[number].kind == SegmentKind::kLatent,
+              part->augmented == part->snapshots);
+  }
+  const std::vector<SnapshotEntry> unsealed = this->unsealed(entity);
+  std::vector<Time> some(unsealed.size());
+  std::ranges::transform(unsealed, some.begin(), &SnapshotEntry::time);
+  times.add(some, false, false);
+  return times;
+}
+
 Result<const std::vector<SnapshotEntry>*> StoreReader::index(const MemoryId& entity) {
   if (const auto known = state_->indices.find(entity); known != state_->indices.end())
     return &known->second;

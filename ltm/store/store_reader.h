@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ltm/memory/snapshot.h"
+#include "ltm/store/entity_times.h"
 #include "ltm/store/latent.h"
 #include "ltm/store/manifest.h"
 #include "ltm/store/packed_snapshot.h"
@@ -74,6 +75,12 @@ class StoreReader {
   /// Errors: kNotFound, kDataLoss; here and when reading, kUnavailable if a consolidation replaced
   /// a segment meanwhile; open the store again then.
   Result<const std::vector<SnapshotEntry>*> index(const MemoryId& entity);
+
+  /// The times of all snapshots of the entity, for who counts many of them. Nothing else of them is
+  /// read.
+  /// Errors: those of index().
+  /// Complexity: the time column of each segment is read as a whole.
+  Result<EntityTimes> times(const MemoryId& entity);
 
   /// The snapshots of the entity that are in journals, in the order of time; empty if it has none
   /// there. Reads nothing.

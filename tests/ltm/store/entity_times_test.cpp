@@ -4,7 +4,6 @@
 #include <limits>
 #include <map>
 
-#include "ltm/store/store_times.h"
 #include "ltm/store/store_writer.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
@@ -109,8 +108,7 @@ TEST(EntityTimes, OfAStoreAreThoseOfItsTimeline) {
     }
   }
   const auto reader = *StoreReader::open(scratch / "store");
-  StoreTimes reading(*reader);
-  const auto times = reading.of(example_entity());
+  const auto times = reader->times(example_entity());
   ASSERT_OK(times);
   std::vector<Time> needed;
   EXPECT_OK((*reader->timeline(example_entity()))->for_each([&needed](const SnapshotEntry& entry) {
@@ -120,7 +118,8 @@ TEST(EntityTimes, OfAStoreAreThoseOfItsTimeline) {
   EXPECT_EQ(times->all, needed);
   EXPECT_TRUE(times->latent.empty());
   EXPECT_TRUE(times->augmented.empty());
-  EXPECT_FAILS(reading.of(*MemoryId::parse("a/b/c/none")), StatusCode::kNotFound, "has no entity");
+  EXPECT_FAILS(reader->times(*MemoryId::parse("a/b/c/none")), StatusCode::kNotFound,
+               "has no entity");
 }
 
 }  // namespace
