@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/similar_options.h"
 
-#include <algorithm>
 #include <filesystem>
+
+#include "ltm/core/ascii.h"
 
 namespace engram::cli {
 
@@ -48,9 +49,7 @@ Result<ltm::SimilarPart> part_of(const std::string& text) {
 }  // namespace
 
 bool is_image_name(const std::string& text) {
-  std::string ending = std::filesystem::path(text).extension().string();
-  std::ranges::transform(ending, ending.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_ascii(std::filesystem::path(text).extension().string());
   return ending == ".png" || ending == ".jpg" || ending == ".jpeg";
 }
 

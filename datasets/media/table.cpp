@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "datasets/media/csv_reader.h"
+#include "ltm/core/ascii.h"
 
 namespace engram::datasets {
 
@@ -21,13 +22,6 @@ std::string_view trimmed(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return result;
 }
 
 /// Quotes a text for a message, and cuts it if it is long.
@@ -219,7 +213,7 @@ Status Table::Builder::find_time(const std::vector<std::string>& names) {
     return {};
   }
   const auto found = std::ranges::find_if(names, [](const std::string& name) {
-    return std::ranges::find(kTimeNames, lower(name)) != kTimeNames.end();
+    return std::ranges::find(kTimeNames, lower_ascii(name)) != kTimeNames.end();
   });
   if (found == names.end())
     return broken(

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "ltm/core/ascii.h"
 #include "ltm/idf/type_xml_element.h"
 
 namespace engram::idf {
@@ -13,14 +14,6 @@ namespace {
 /// Attributes for code generators of other systems; they do not describe the data.
 constexpr std::array<std::string_view, 6> kCodeAttributes{
     "shared_ptr", "unique_ptr", "raw_ptr", "autoinclude", "humanreadablename", "template"};
-
-std::string lower(std::string_view text) {
-  std::string made(text);
-  std::ranges::transform(made, made.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return made;
-}
 
 /// Reads a number that takes the whole text.
 template <typename T>
@@ -69,7 +62,7 @@ Result<XmlAttributes> XmlAttributes::read(const XmlText& source, const pugi::xml
                                           std::vector<std::string>& notes) {
   XmlAttributes made(source, node);
   for (const pugi::xml_attribute& attribute : node.attributes()) {
-    std::string name = lower(attribute.name());
+    std::string name = lower_ascii(attribute.name());
     if (std::ranges::count(kCodeAttributes, name) != 0) {
       notes.push_back(fmt::format("{}: attribute '{}' of <{}> is for code alone",
                                   source.place(node), attribute.name(), node.name()));
@@ -102,7 +95,7 @@ Result<std::string_view> XmlAttributes::get(std::string_view name) const {
 
 Result<int64_t> XmlAttributes::size(std::string_view name) const {
   const auto text = find(name);
-  if (!text || *text == "-1" || *text == "*" || lower(*text) == "dynamic") return kFreeSize;
+  if (!text || *text == "-1" || *text == "*" || lower_ascii(*text) == "dynamic") return kFreeSize;
   const auto value = parse<int64_t>(*text);
   if (value && *value >= 0) return *value;
   return source_->error(
@@ -120,7 +113,7 @@ Result<bool> XmlAttributes::flag(std::string_view name) const {
 Result<ElementType> XmlAttributes::element_type() const {
   const auto text = find("type");
   if (!text) return ElementType::kFloat32;
-  if (const auto type = element_type_from_alias(lower(*text))) return *type;
+  if (const auto type = element_type_from_alias(lower_ascii(*text))) return *type;
   return source_->error(node_, fmt::format("type=\"{}\": needs int8, int16, int32, int64, uint8, "
                                            "uint16, uint32, uint64, float32 or float64",
                                            *text));

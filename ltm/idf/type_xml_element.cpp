@@ -5,6 +5,8 @@
 #include <array>
 #include <charconv>
 
+#include "ltm/core/ascii.h"
+
 namespace engram::idf {
 
 namespace {
@@ -43,12 +45,9 @@ constexpr std::array<ElementName, 25> kElementNames{{{"int", TypeKind::kInt},
 /// An array of three metres; it has no kind of its own.
 constexpr std::string_view kPositionElement = "position";
 
-char lower_case(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
 bool is_same_word(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, {}, lower_case, lower_case);
+  const auto lower = [](char c) { return lower_ascii(c); };
+  return std::ranges::equal(a, b, {}, lower, lower);
 }
 
 std::optional<TypeKind> kind_of_element(std::string_view name) {

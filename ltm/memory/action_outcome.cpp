@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/memory/action_outcome.h"
 
-#include <algorithm>
-#include <cctype>
+#include "ltm/core/ascii.h"
 
 namespace engram::ltm {
 
@@ -23,7 +22,7 @@ std::string_view name_of(ActionOutcome outcome) {
 }
 
 ActionOutcome outcome_named(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  name = lower_ascii(name);
   const auto has = [&name](std::string_view part) { return name.find(part) != std::string::npos; };
   if (has("unsucc") || has("fail") || has("error") || has("abort")) return ActionOutcome::kFailure;
   if (has("succ") || has("done") || has("finish")) return ActionOutcome::kSuccess;

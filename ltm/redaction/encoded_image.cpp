@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "ltm/core/ascii.h"
+
 namespace engram::ltm {
 
 namespace {
@@ -88,12 +90,6 @@ bool is_container(std::string_view text) {
   return text.starts_with("OggS") && text.substr(0, 64).find("theora") != std::string_view::npos;
 }
 
-std::string lower(std::string text) {
-  for (char& each : text)
-    if (each >= 'A' && each <= 'Z') each = static_cast<char>(each - 'A' + 'a');
-  return text;
-}
-
 /// What the members of a message say.
 class MessageMembers {
  public:
@@ -109,14 +105,14 @@ class MessageMembers {
 
  private:
   void add(const idf::DictEntry& entry) {
-    const std::string name = lower(entry.key);
+    const std::string name = lower_ascii(entry.key);
     if (name == "point_step") is_cloud_ = true;
     if (name == "width" || name == "cols") width_ = entry.value.as_number().value_or(0);
     if (name == "height" || name == "rows") height_ = entry.value.as_number().value_or(0);
     if (const auto* text = entry.value.get_if<std::string>();
         text != nullptr && (name == "format" || name == "encoding" || name == "codec"))
       is_image_format_ = is_image_format_ || std::ranges::any_of(kFormats, [&](auto format) {
-                           return lower(*text).find(format) != std::string::npos;
+                           return lower_ascii(*text).find(format) != std::string::npos;
                          });
     if (const auto* array = entry.value.get_if<idf::NdArray>();
         bytes_ == nullptr && array != nullptr && idf::size_bytes(array->type()) == 1 &&
