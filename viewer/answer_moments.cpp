@@ -101,24 +101,6 @@ Result<MomentJson> neighbour_json(ViewedMemory& viewed, const ltm::MemoryId& ent
   return found ? MomentJson(time_text(found->time)) : MomentJson();
 }
 
-Result<std::vector<Duration>> horizons_of(const RequestTarget& target) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::string text, target.text("horizon"));
-  std::vector<Duration> horizons;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const auto ns = RequestTarget::parse("/?horizon=" + text.substr(begin, end - begin));
-    const auto number =
-        ns.ok() ? ns->integer("horizon", 1, Duration::max().count()) : Result<int64_t>(ns.status());
-    if (!number.ok()) return number.status();
-    horizons.emplace_back(*number);
-    begin = end + 1;
-  }
-  if (horizons.size() > kMaxHorizons)
-    return invalid_argument("parameter 'horizon': found {} of them, needs at most {}",
-                            horizons.size(), kMaxHorizons);
-  return horizons;
-}
-
 /// Adds an answer to a query as `engram query --json` prints it, and counts its bytes.
 Status add_part(const ltm::QueryResult& part, bool is_ids_only, MomentJson& list, size_t& bytes) {
   if (is_ids_only) {
@@ -209,7 +191,10 @@ ViewAnswer answer_step(ViewedMemory& viewed, const RequestTarget& target) {
 
 ViewAnswer answer_predict(ViewedMemory& viewed, const RequestTarget& target) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, target.entity("entity"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto horizons, horizons_of(target));
+  ENGRAM_ASSIGN_OR_RETURN(const auto ahead_ns,
+                          target.integers("horizon", 1, Duration::max().count(), kMaxHorizons));
+  std::vector<Duration> horizons;
+  for (const int64_t ns : ahead_ns) horizons.emplace_back(ns);
   PredictOptions options;
   if (target.find("at")) {
     ENGRAM_ASSIGN_OR_RETURN(options.at, target.time("at"));

@@ -6,6 +6,7 @@
 #include <set>
 #include <span>
 
+#include "ltm/core/ascii.h"
 #include "reports/plain/store_text.h"
 #include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
@@ -169,31 +170,24 @@ Result<TreeJson> children_on_server(ViewedMemory& viewed, const ltm::MemoryId& u
   return children_of(viewed, nullptr, leaves, under.depth(), depth);
 }
 
-/// Counts what a server lists, up to a bound, and notes when it begins and ends.
-Result<TreeNode> count_on_server(ViewedMemory& viewed) {
-  constexpr uint64_t kMaxCounted = 200'000;
+/// The entities of a server, and when the first of their snapshots was and the last. It would have
+/// to list all snapshots to count them.
+Result<TreeNode> look_at_server(ViewedMemory& viewed) {
   TreeNode node;
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse("?ids @ all"));
-  const Status counted =
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, ltm::Query::parse("?ids @ 0..0, latest"));
+  const Status looked =
       viewed.memory().query_parts(query, [&node](const ltm::QueryResult& part) -> Status {
         for (const ltm::EntityResult* entity : part.entities())
           for (const ltm::SnapshotResult& snapshot : entity->snapshots) {
-            ++node.snapshots;
             node.first = std::min(node.first.value_or(snapshot.time), snapshot.time);
             node.last = std::max(node.last.value_or(snapshot.time), snapshot.time);
           }
-        return node.snapshots > kMaxCounted ? cancelled("counted enough") : Status();
+        return {};
       });
-  if (!counted.ok() && counted.code() != StatusCode::kCancelled &&
-      counted.code() != StatusCode::kNotFound)
-    return counted;
+  if (!looked.ok() && looked.code() != StatusCode::kNotFound) return looked;
+  ENGRAM_ASSIGN_OR_RETURN(const auto entities, viewed.entities());
+  node.entities = entities.size();
   return node;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
 }
 
 }  // namespace
@@ -217,10 +211,9 @@ ViewAnswer answer_info(ViewedMemory& viewed, const RequestTarget& /*target*/) {
     }));
     all.write(json);
   } else {
-    ENGRAM_ASSIGN_OR_RETURN(TreeNode counted, count_on_server(viewed));
-    ENGRAM_ASSIGN_OR_RETURN(const auto entities, viewed.entities());
-    counted.entities = entities.size();
-    counted.write(json);
+    ENGRAM_ASSIGN_OR_RETURN(const TreeNode all, look_at_server(viewed));
+    all.write(json);
+    json["snapshots"] = nullptr;
   }
   json["is_live"] = !viewed.is_store();
   json["max_horizon_ns"] = std::to_string(OpenOptions{}.max_horizon.count());
@@ -247,14 +240,14 @@ ViewAnswer answer_tree(ViewedMemory& viewed, const RequestTarget& target) {
 
 ViewAnswer answer_find(ViewedMemory& viewed, const RequestTarget& target) {
   constexpr int64_t kMaxFound = 1000;
-  const std::string text = lower(target.find("text").value_or(""));
+  const std::string text = lower_ascii(target.find("text").value_or(""));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t max, target.integer("max", 1, kMaxFound, 100));
   ENGRAM_ASSIGN_OR_RETURN(const auto entities, viewed.entities());
   TreeJson found = TreeJson::array();
   bool has_more = false;
   for (const ltm::MemoryId& entity : entities) {
     std::string id = entity.to_string();
-    if (lower(id).find(text) == std::string::npos) continue;
+    if (lower_ascii(id).find(text) == std::string::npos) continue;
     has_more = found.size() == static_cast<size_t>(max);
     if (has_more) break;
     found.push_back(std::move(id));

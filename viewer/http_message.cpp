@@ -7,30 +7,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-const char* code_name(StatusCode code) {
-  switch (code) {
-    case StatusCode::kOk:
-      return "kOk";
-    case StatusCode::kInvalidArgument:
-      return "kInvalidArgument";
-    case StatusCode::kNotFound:
-      return "kNotFound";
-    case StatusCode::kAlreadyExists:
-      return "kAlreadyExists";
-    case StatusCode::kFailedPrecondition:
-      return "kFailedPrecondition";
-    case StatusCode::kDataLoss:
-      return "kDataLoss";
-    case StatusCode::kResourceExhausted:
-      return "kResourceExhausted";
-    case StatusCode::kUnavailable:
-      return "kUnavailable";
-    case StatusCode::kCancelled:
-      break;
-  }
-  return "kCancelled";
-}
-
 int http_status_of(StatusCode code) {
   switch (code) {
     case StatusCode::kOk:
@@ -80,7 +56,7 @@ HttpResponse error_response(const Status& status) {
 
 HttpResponse error_response(int http_status, const Status& status) {
   HttpResponse response = json_response(
-      {{"error", {{"code", code_name(status.code())}, {"message", status.message()}}}});
+      {{"error", {{"code", to_string(status.code())}, {"message", status.message()}}}});
   response.status = http_status;
   return response;
 }

@@ -39,7 +39,7 @@ struct HttpResponse {
 /// A text as the value of a header: what is no printable ASCII is percent-encoded.
 [[nodiscard]] std::string header_text(std::string_view text);
 
-/// {"error": {"code": "kNotFound", "message": "..."}} with the HTTP status of the code.
+/// {"error": {"code": "not found", "message": "..."}} with the HTTP status of the code.
 [[nodiscard]] HttpResponse error_response(const Status& status);
 /// The same with another HTTP status.
 [[nodiscard]] HttpResponse error_response(int http_status, const Status& status);

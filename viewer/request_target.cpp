@@ -136,6 +136,23 @@ Result<int64_t> RequestTarget::integer(std::string_view name, int64_t min, int64
   return found ? integer_of(name, *found, min, max) : otherwise;
 }
 
+Result<std::vector<int64_t>> RequestTarget::integers(std::string_view name, int64_t min,
+                                                     int64_t max, size_t max_count) const {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string found, text(name));
+  std::vector<int64_t> numbers;
+  for (size_t begin = 0; begin <= found.size();) {
+    if (numbers.size() == max_count)
+      return wrong(name, found, fmt::format("at most {} numbers", max_count));
+    const size_t end = std::min(found.find(',', begin), found.size());
+    ENGRAM_ASSIGN_OR_RETURN(
+        const int64_t number,
+        integer_of(name, std::string_view(found).substr(begin, end - begin), min, max));
+    numbers.push_back(number);
+    begin = end + 1;
+  }
+  return numbers;
+}
+
 Result<Time> RequestTarget::time(std::string_view name) const {
   using Limits = std::numeric_limits<int64_t>;
   ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, integer(name, Limits::min(), Limits::max()));

@@ -50,6 +50,10 @@ class RequestTarget {
   Result<int64_t> integer(std::string_view name, int64_t min, int64_t max) const;
   Result<int64_t> integer(std::string_view name, int64_t min, int64_t max, int64_t otherwise) const;
 
+  /// Decimal integers between commas, each within bounds: from one to `max_count` of them.
+  Result<std::vector<int64_t>> integers(std::string_view name, int64_t min, int64_t max,
+                                        size_t max_count) const;
+
   /// Decimal nanoseconds.
   Result<Time> time(std::string_view name) const;
 

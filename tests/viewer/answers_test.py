@@ -98,8 +98,8 @@ class AnswersTest(unittest.TestCase):
                                              "augmented": 0})
         self.assertIn("image", found[STEREO]["kinds"])
         self.assertIn("number", found[JOINTS]["kinds"])
-        self.assertEqual(self.viewed.error("/api/tree", under=JOINTS), (400, "kInvalidArgument"))
-        self.assertEqual(self.viewed.error("/api/tree", under="Nothing"), (404, "kNotFound"))
+        self.assertEqual(self.viewed.error("/api/tree", under=JOINTS), (400, "invalid argument"))
+        self.assertEqual(self.viewed.error("/api/tree", under="Nothing"), (404, "not found"))
 
     def test_names_are_found(self) -> None:
         told = self.viewed.json("/api/find", text="JOINTS")
@@ -115,7 +115,7 @@ class AnswersTest(unittest.TestCase):
                 self.assertEqual(self.viewed.json("/api/tree", under=core["id"], depth=2)["children"],
                                  core["children"])
         for wrong in ("0", "5", "deep"):
-            self.assertEqual(self.viewed.error("/api/tree", depth=wrong), (400, "kInvalidArgument"))
+            self.assertEqual(self.viewed.error("/api/tree", depth=wrong), (400, "invalid argument"))
 
     def test_steps_lead_from_snapshot_to_snapshot(self) -> None:
         times = [one["time_ns"] for one in self.query(f"{JOINTS} @ all")["entities"][0]["snapshots"]]
@@ -126,7 +126,7 @@ class AnswersTest(unittest.TestCase):
             self.assertEqual(int(self.viewed.json("/api/step", entity=JOINTS, at=at, by=by)["time"]),
                              needed, (at, by))
         self.assertEqual(self.viewed.error("/api/step", entity=JOINTS, at=0, by=0),
-                         (400, "kInvalidArgument"))
+                         (400, "invalid argument"))
 
     def test_density_counts_each_snapshot_once(self) -> None:
         first = min(one["first_ns"] for one in self.entities.values())
@@ -147,7 +147,7 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual(np.frombuffer(body, "<u4").sum(), sum(
             one["snapshots"] for id_, one in self.entities.items() if id_.startswith("Objects/")))
         self.assertEqual(self.viewed.error("/api/density", entity="Object", **{"from": 0}, to=9,
-                                           pixels=3), (404, "kNotFound"))
+                                           pixels=3), (404, "not found"))
         # Half of the time, as a query has it.
         middle = (first + last) // 2
         _, _, body = self.viewed.get("/api/density", entity=JOINTS, **{"from": first}, to=middle,
@@ -204,8 +204,8 @@ class AnswersTest(unittest.TestCase):
         nearest = self.viewed.json("/api/moment", entity=JOINTS, at=at + 1, which="nearest")
         self.assertIn(nearest["time"], (told["time"], told["next"]))
         self.assertEqual(self.viewed.error("/api/moment", entity=JOINTS, at=at + 1, which="exact"),
-                         (404, "kNotFound"))
-        self.assertEqual(self.viewed.error("/api/moment", entity=JOINTS, at=0), (404, "kNotFound"))
+                         (404, "not found"))
+        self.assertEqual(self.viewed.error("/api/moment", entity=JOINTS, at=0), (404, "not found"))
 
     def test_the_future_is_what_predict_says(self) -> None:
         horizons = [200_000_000, 400_000_000]
@@ -231,7 +231,7 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual((ahead["source"], int(ahead["time"])), ("predicted", at))
         for wrong in ("0", "-1", "nan", "1,", "", "1e9", "9" * 30, ",".join(["1"] * 65)):
             self.assertEqual(self.viewed.error("/api/predict", entity=JOINTS, horizon=wrong),
-                             (400, "kInvalidArgument"), wrong)
+                             (400, "invalid argument"), wrong)
 
     def test_moments_do_not_wait_for_predictions(self) -> None:
         shown = 0
@@ -250,10 +250,10 @@ class AnswersTest(unittest.TestCase):
         for text in (f"{JOINTS} @ latest:2", f"?ids {JOINTS} @ latest:3",
                      "Skills @ all ; Speech @ all", f"{STEREO} @ latest"):
             self.assertEqual(self.viewed.json("/api/query", q=text), self.query(text), text)
-        self.assertEqual(self.viewed.error("/api/query", q="("), (400, "kInvalidArgument"))
-        self.assertEqual(self.viewed.error("/api/query", q="Nothing"), (404, "kNotFound"))
+        self.assertEqual(self.viewed.error("/api/query", q="("), (400, "invalid argument"))
+        self.assertEqual(self.viewed.error("/api/query", q="Nothing"), (404, "not found"))
         self.assertEqual(self.viewed.error("/api/query", q=f"{STEREO} @ all"),
-                         (413, "kResourceExhausted"))
+                         (413, "resource exhausted"))
 
     def test_images_are_the_recorded_ones(self) -> None:
         moment = self.viewed.json("/api/moment", entity=STEREO, at=self.entities[STEREO]["last_ns"])
@@ -277,11 +277,11 @@ class AnswersTest(unittest.TestCase):
         status, _, body = self.viewed.ask(target, headers={"If-None-Match": headers["etag"]})
         self.assertEqual((status, body), (304, b""))
         self.assertEqual(self.viewed.error("/api/image", id=moment["id"], path="image",
-                                           form="latent"), (404, "kNotFound"))
+                                           form="latent"), (404, "not found"))
         self.assertEqual(self.viewed.error("/api/image", id=moment["id"], path="none"),
-                         (404, "kNotFound"))
+                         (404, "not found"))
         self.assertEqual(self.viewed.error("/api/image", id=STEREO, path="image"),
-                         (400, "kInvalidArgument"))
+                         (400, "invalid argument"))
 
     def test_depth_is_told_with_its_range(self) -> None:
         depth = next(one for one in self.entities if "depth" in one.lower())

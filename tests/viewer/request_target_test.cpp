@@ -74,6 +74,19 @@ TEST(RequestTarget, ReadsIds) {
   EXPECT_FAILS(target->moment("entity"), StatusCode::kInvalidArgument, "a snapshot");
 }
 
+TEST(RequestTarget, ReadsListsOfNumbers) {
+  const auto numbers = [](const std::string& list) {
+    const auto target = RequestTarget::parse("/?n=" + list);
+    return target->integers("n", 1, 9, 3);
+  };
+  EXPECT_EQ(*numbers("4"), std::vector<int64_t>{4});
+  EXPECT_EQ(*numbers("4,1,9"), (std::vector<int64_t>{4, 1, 9}));
+  for (const char* wrong : {"4,", ",4", "4,,5", "0", "4,10", "4%26n=5", "4%2C%2C5", "a"})
+    EXPECT_FAILS(numbers(wrong), StatusCode::kInvalidArgument, "an integer from 1 to 9");
+  EXPECT_FAILS(numbers("1,2,3,4"), StatusCode::kInvalidArgument, "at most 3 numbers");
+  EXPECT_FAILS(numbers(""), StatusCode::kInvalidArgument, "missing");
+}
+
 TEST(RequestTarget, ChoosesAmongWords) {
   const auto target = RequestTarget::parse("/?as=webp");
   EXPECT_FAILS(target->choice("as", {"png", "jpeg"}, "png"), StatusCode::kInvalidArgument,

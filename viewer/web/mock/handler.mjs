@@ -10,7 +10,7 @@ import { tree } from './tree.mjs';
 
 const need = (query, name) => {
   const value = query.get(name);
-  if (value === null || value === '') throw new Refusal(400, 'kInvalidArgument', `the query needs '${name}'`);
+  if (value === null || value === '') throw new Refusal(400, 'invalid argument', `the query needs '${name}'`);
   return value;
 };
 const json = (value) => ({ type: 'application/json', body: JSON.stringify(value) });
@@ -60,7 +60,7 @@ function series(query) {
 function image(query) {
   const { entity, time, instance } = splitId(need(query, 'id'));
   const form = query.get('form') ?? 'any';
-  if (!['camera', 'hand_camera', 'depth'].includes(entity.kind)) throw new Refusal(404, 'kNotFound', `entity '${entity.id}' has no image`);
+  if (!['camera', 'hand_camera', 'depth'].includes(entity.kind)) throw new Refusal(404, 'not found', `entity '${entity.id}' has no image`);
   const eye = instance * 6 + (entity.kind === 'hand_camera' ? 24 : 0);
   const paint = (t) => (entity.kind === 'depth' ? depthOf(scene(t, eye)) : scene(t, eye));
   const headers = { 'X-Engram-Width': '128', 'X-Engram-Height': '128', ...(entity.kind === 'depth' ? { 'X-Engram-Min': '400', 'X-Engram-Max': '4200' } : {}) };
@@ -68,16 +68,16 @@ function image(query) {
     const horizon = Number(need(query, 'horizon'));
     const from = Number(BigInt(query.get('from') ?? time - BigInt(horizon)) - kStart);
     const pixels = reconstruct(paint((from + Math.min(horizon, 4e8)) / 1e9), 1 + Math.min(2, Math.floor(horizon / 1e9)));
-    Object.assign(headers, { 'X-Engram-Source': 'predicted', 'X-Engram-Model': `${entity.kind}-0007`, 'X-Engram-Expected-Error': '0.051', 'X-Engram-Bound': '0.097', 'X-Engram-Horizon': `${horizon}` });
+    Object.assign(headers, { 'X-Engram-Source': 'predicted', 'X-Engram-Engine': 'deep', 'X-Engram-Expected-Error': '0.051', 'X-Engram-Bound': '0.097', 'X-Engram-Horizon': `${horizon}` });
     return { type: 'image/png', body: png(128, 128, pixels), headers };
   }
   const snapshot = momentAt(entity, time, 'exact');
   const offset = Number(time - kStart);
   const hasLatent = formOf(entity, offset) === 1;
   const hasRecorded = isRecorded(entity, offset);
-  if (form === 'recorded' && !hasRecorded) throw new Refusal(404, 'kNotFound', `snapshot '${snapshot.id}' is kept as latents alone: its recorded image was dropped`);
-  if ((form === 'latent' || form === 'error') && !hasLatent) throw new Refusal(404, 'kNotFound', `snapshot '${snapshot.id}' has no latents yet: no night came after it`);
-  if (form === 'error' && !hasRecorded) throw new Refusal(404, 'kNotFound', `snapshot '${snapshot.id}' has no recorded image to compare with`);
+  if (form === 'recorded' && !hasRecorded) throw new Refusal(404, 'not found', `snapshot '${snapshot.id}' is kept as latents alone: its recorded image was dropped`);
+  if ((form === 'latent' || form === 'error') && !hasLatent) throw new Refusal(404, 'not found', `snapshot '${snapshot.id}' has no latents yet: no night came after it`);
+  if (form === 'error' && !hasRecorded) throw new Refusal(404, 'not found', `snapshot '${snapshot.id}' has no recorded image to compare with`);
   const recorded = paint(offset / 1e9);
   const latent = hasLatent ? reconstruct(recorded) : null;
   const kind = form === 'any' ? (hasRecorded ? 'recorded' : 'latent') : form;
@@ -93,7 +93,7 @@ function predict(query) {
   const entity = entityOf(need(query, 'entity'));
   const at = query.get('at');
   const index = at === null ? entity.times.length - 1 : lowerBound(entity.times, Number(BigInt(at) - kStart) + 1) - 1;
-  if (index < 0) throw new Refusal(404, 'kNotFound', `entity '${entity.id}' has nothing to predict from at ${at}`);
+  if (index < 0) throw new Refusal(404, 'not found', `entity '${entity.id}' has nothing to predict from at ${at}`);
   return json(need(query, 'horizon').split(',').map((horizon) => predicted(entity, index, Number(horizon))));
 }
 
@@ -140,7 +140,7 @@ function textQuery(query) {
   const [names, selector = 'latest'] = need(query, 'q').split('@').map((part) => part.trim());
   const levels = names.split('/');
   const matching = [...kEntities.values()].filter((entity) => levels.every((level, i) => level === '' || new RegExp(`^(?:${level})$`).test(entity.id.split('/')[i] ?? '')));
-  if (matching.length === 0) throw new Refusal(404, 'kNotFound', `query '${names} @ ${selector}': no entity matches; there are ${[...kEntities.keys()].slice(0, 5).join(', ')}, ...`);
+  if (matching.length === 0) throw new Refusal(404, 'not found', `query '${names} @ ${selector}': no entity matches; there are ${[...kEntities.keys()].slice(0, 5).join(', ')}, ...`);
   return json({ ids_only: false, entities: matching.map((entity) => ({ id: entity.id, snapshots: [snapshotAt(entity, entity.times.length - 1)] })) });
 }
 
@@ -161,10 +161,10 @@ const routes = {
 export function answer(url) {
   const route = routes[url.pathname.slice('/api/'.length)];
   try {
-    if (!route) throw new Refusal(404, 'kNotFound', `nothing is at ${url.pathname}`);
+    if (!route) throw new Refusal(404, 'not found', `nothing is at ${url.pathname}`);
     return { status: 200, headers: {}, ...route(url.searchParams) };
   } catch (error) {
-    const refusal = error instanceof Refusal ? error : new Refusal(400, 'kInvalidArgument', String(error.message));
+    const refusal = error instanceof Refusal ? error : new Refusal(400, 'invalid argument', String(error.message));
     return { status: refusal.status, type: 'application/json', headers: {}, body: JSON.stringify({ error: { code: refusal.code, message: refusal.message } }) };
   }
 }

@@ -14,7 +14,7 @@ export class Refusal extends Error {
 
 export function entityOf(id) {
   const entity = kEntities.get(id);
-  if (!entity) throw new Refusal(404, 'kNotFound', `no entity '${id}' in this memory`);
+  if (!entity) throw new Refusal(404, 'not found', `no entity '${id}' in this memory`);
   return entity;
 }
 
@@ -60,7 +60,7 @@ export function snapshotAt(entity, index) {
 
 /** Continues an entity from a snapshot of its by a horizon in nanoseconds. */
 export function predicted(entity, index, horizon) {
-  if (horizon > kHorizonNs) throw new Refusal(400, 'kInvalidArgument', `a prediction of ${horizon / 1e9} s asked for, at most ${kHorizonNs / 1e9} s are possible`);
+  if (horizon > kHorizonNs) throw new Refusal(400, 'invalid argument', `a prediction of ${horizon / 1e9} s asked for, at most ${kHorizonNs / 1e9} s are possible`);
   const from = entity.times[index];
   const step = 0.04;
   const value = continued(valueOf(entity, from / 1e9 - step, idAt), valueOf(entity, from / 1e9, idAt), Math.min(horizon / 1e9, 0.8) / step);
@@ -80,9 +80,9 @@ export function momentAt(entity, at, which) {
   const last = times.length - 1;
   if (which === 'predict' && offset > times[last]) return predicted(entity, last, offset - times[last]);
   let index = lowerBound(times, offset + 1) - 1;
-  if (which === 'exact' && times[index] !== offset) throw new Refusal(404, 'kNotFound', `entity '${entity.id}' has no snapshot at exactly ${at}`);
+  if (which === 'exact' && times[index] !== offset) throw new Refusal(404, 'not found', `entity '${entity.id}' has no snapshot at exactly ${at}`);
   if (which === 'nearest' && (index < 0 || (index < last && times[index + 1] - offset < offset - times[index]))) index += 1;
-  if (index < 0) throw new Refusal(404, 'kNotFound', `entity '${entity.id}' has no snapshot at or before ${at}; its first is at ${kStart + BigInt(times[0])}`);
+  if (index < 0) throw new Refusal(404, 'not found', `entity '${entity.id}' has no snapshot at or before ${at}; its first is at ${kStart + BigInt(times[0])}`);
   return snapshotAt(entity, index);
 }
 

@@ -2,9 +2,6 @@
 // What the gateway answers, as types and as the checks that make them.
 import * as d from './decode';
 
-export const kSources = ['recorded', 'reconstructed', 'augmented', 'predicted'] as const;
-export type Source = (typeof kSources)[number];
-
 export const info = d.object({
   name: d.string,
   version: d.string,
@@ -13,7 +10,8 @@ export const info = d.object({
   first: d.withDefault(d.time, 0n),
   last: d.withDefault(d.time, 1_000_000_000n),
   entities: d.number,
-  snapshots: d.withDefault(d.number, 0),
+  // Absent of a server, which would have to list them all.
+  snapshots: d.optional(d.number),
   is_live: d.withDefault(d.bool, false),
   max_horizon_ns: d.withDefault(d.time, 60_000_000_000n),
 });
@@ -24,10 +22,11 @@ const nodeShape = {
   id: d.string,
   level: d.oneOf('memory', 'core', 'provider', 'entity'),
   entities: d.withDefault(d.number, 1),
-  snapshots: d.withDefault(d.number, 0),
+  snapshots: d.optional(d.number),
   first: d.optional(d.time),
   last: d.optional(d.time),
-  kinds: d.withDefault(d.list(d.string), []),
+  // Absent of a server, which tells names alone.
+  kinds: d.optional(d.list(d.string)),
   raw_bytes: d.optional(d.number),
   stored_bytes: d.optional(d.number),
   latent_bytes: d.optional(d.number),

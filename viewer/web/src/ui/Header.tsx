@@ -19,12 +19,14 @@ const kPanels: readonly { kind: PanelKind; icon: IconName; title: string; ofEnti
   { kind: 'query', icon: 'terminal', title: 'Query', ofEntity: false },
 ];
 
+const counted = (count: number | undefined, of: string): string => (count === undefined ? '' : `${formatCount(count)} ${of}`);
+
 export function Header(props: { onDialog: (dialog: 'search' | 'help' | 'time') => void }) {
   return (
     <header class="top">
       <h1><svg class="logo" viewBox="0 0 32 32" aria-hidden="true"><rect width="32" height="32" rx="7" class="logo-back" /><path d="M6 10h13M6 16h9M6 22h11" class="logo-past" /><path d="M23 10h3M19.5 16h3M21.5 22h3" class="logo-next" /></svg>Engram</h1>
       <span class="store" title={info()?.stores.map((store) => store.path ?? store.name).join('\n')}>{info()?.stores.map((store) => store.name).join(' + ')}
-        <small>{formatCount(info()?.entities ?? 0)} entities · {formatCount(info()?.snapshots ?? 0)} snapshots</small></span>
+        <small>{[counted(info()?.entities, 'entities'), counted(info()?.snapshots, 'snapshots')].filter((part) => part !== '').join(' · ')}</small></span>
       <div class="transport" role="group" aria-label="Time">
         <IconButton icon="skip-back" label="First snapshot" onClick={goFirst} />
         <IconButton icon="step-back" label="Previous snapshot of the chosen entity" onClick={() => void stepBy(-1)} />
@@ -60,7 +62,7 @@ function AddPanel() {
     const entity = ofEntity ? selected() || entities()[0]?.id || '' : '';
     openPanel(kind, entity);
   };
-  const usable = (kind: PanelKind) => { const kinds = nodeOf(selected())?.kinds ?? []; return kind === 'images' ? isImage(kinds) : kind === 'plot' ? kinds.includes('number') : true; };
+  const usable = (kind: PanelKind) => { const kinds = nodeOf(selected())?.kinds; return kinds === undefined || (kind === 'images' ? isImage(kinds) : kind === 'plot' ? kinds.includes('number') : true); };
   return (
     <div class="menu" ref={menu} onFocusOut={(event) => { if (!menu.contains(event.relatedTarget as Node | null)) setOpen(false); }} onKeyDown={(event) => { if (event.key === 'Escape') setOpen(false); }}>
       <button class="with-icon" aria-haspopup="true" aria-expanded={isOpen()} onClick={() => setOpen(!isOpen())}><Icon name="plus" /> Panel</button>
