@@ -11,6 +11,6 @@ export default defineConfig({
   server: { fs: { strict: false } },
   test: {
     dir: process.env.PAGE_TESTS ?? here('../../tests/viewer/page'), include: ['**/*.test.ts'], environment: 'node', fileParallelism: false,
-    testTimeout: 60_000, hookTimeout: 60_000,
+    testTimeout: 120_000, hookTimeout: 60_000,
   },
 });

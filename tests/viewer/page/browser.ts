@@ -58,11 +58,18 @@ export interface VisitOptions {
   readonly expected?: RegExp;
   readonly intercept?: (url: URL) => Answer | null;
   readonly ready?: boolean;
+  /** What a running `engram view` printed; otherwise the imagined memory is visited. */
+  readonly url?: string;
 }
+
+/** A running gateway in the place of the imagined one. */
+const running = (url: string): Mock => ({
+  url, address: new URL(url).origin, state: { intercept: () => null, delayMs: 0, requests: [] }, close: async () => undefined,
+});
 
 /** Opens the page as `engram view` would, and waits until its panels are there. */
 export async function visit(options: VisitOptions = {}): Promise<Visit> {
-  mock = (await startMock()) as Mock;
+  mock = options.url ? running(options.url) : ((await startMock()) as Mock);
   if (options.intercept) mock.state.intercept = options.intercept;
   const context = await browser.newContext({
     viewport: options.size ?? { width: 1440, height: 900 }, colorScheme: options.scheme ?? 'light', reducedMotion: options.still ? 'reduce' : 'no-preference',
