@@ -5,8 +5,8 @@ import { ApiError } from './client';
 const isLittleEndian = new Uint8Array(Uint32Array.of(1).buffer)[0] === 1;
 
 function need(buffer: ArrayBuffer, bytes: number, what: string): void {
-  if (!isLittleEndian) throw new ApiError('kUnimplemented', 'This browser is big endian, which the viewer cannot read.');
-  if (buffer.byteLength !== bytes) throw new ApiError('kDataLoss', `/api/${what}: ${buffer.byteLength} bytes came, ${bytes} were needed.`);
+  if (!isLittleEndian) throw new ApiError('unimplemented', 'This browser is big endian, which the viewer cannot read.');
+  if (buffer.byteLength !== bytes) throw new ApiError('data loss', `/api/${what}: ${buffer.byteLength} bytes came, ${bytes} were needed.`);
 }
 
 /** Counts of one lane; all three have one number per pixel. */

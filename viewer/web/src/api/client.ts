@@ -22,16 +22,16 @@ export function urlOf(path: string, params: Params): string {
   return `/api/${path}${text ? `?${text}` : ''}`;
 }
 
-const refusal = object({ error: object({ code: withDefault(string, 'kUnknown'), message: string }) });
+const refusal = object({ error: object({ code: withDefault(string, 'unknown'), message: string }) });
 
 async function failure(response: Response): Promise<ApiError> {
   if (response.status === 401 || response.status === 403)
-    return new ApiError('kPermissionDenied', 'The gateway does not know this browser. Open the address that `engram view` printed, with its token.');
+    return new ApiError('permission denied', 'The gateway does not know this browser. Open the address that `engram view` printed, with its token.');
   try {
     const { error } = refusal(await response.json(), '');
     return new ApiError(error.code, error.message);
   } catch {
-    return new ApiError('kUnknown', `The gateway answered ${response.status} ${response.statusText}.`);
+    return new ApiError('unknown', `The gateway answered ${response.status} ${response.statusText}.`);
   }
 }
 
@@ -41,7 +41,7 @@ async function ask(path: string, params: Params, signal?: AbortSignal): Promise<
     response = await fetch(urlOf(path, params), { credentials: 'same-origin', redirect: 'error', ...(signal ? { signal } : {}) });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
-    throw new ApiError('kUnavailable', 'The gateway does not answer. Is `engram view` still running? Start it again and reload.');
+    throw new ApiError('unavailable', 'The gateway does not answer. Is `engram view` still running? Start it again and reload.');
   }
   if (!response.ok) throw await failure(response);
   return response;
@@ -52,8 +52,8 @@ export async function getJson<T>(path: string, params: Params, decode: Decoder<T
   try {
     return decode(await response.json(), '');
   } catch (error) {
-    if (error instanceof DecodeError) throw new ApiError('kDataLoss', `/api/${path}: ${error.message}. Gateway and page may be of different versions.`);
-    if (error instanceof SyntaxError) throw new ApiError('kDataLoss', `/api/${path}: the answer is no JSON.`);
+    if (error instanceof DecodeError) throw new ApiError('data loss', `/api/${path}: ${error.message}. Gateway and page may be of different versions.`);
+    if (error instanceof SyntaxError) throw new ApiError('data loss', `/api/${path}: the answer is no JSON.`);
     throw error;
   }
 }
@@ -72,6 +72,7 @@ export interface Picture {
   readonly bitmap: ImageBitmap;
   readonly source: string;
   readonly model?: string;
+  readonly engine?: string;
   readonly psnr?: number;
   readonly bytes?: number;
   readonly gain?: number;
@@ -93,10 +94,10 @@ export async function getImage(params: Params, signal?: AbortSignal): Promise<Pi
   try {
     bitmap = await createImageBitmap(await response.blob());
   } catch {
-    throw new ApiError('kDataLoss', 'The gateway sent something that is no image.');
+    throw new ApiError('data loss', 'The gateway sent something that is no image.');
   }
   return {
-    bitmap, source: text('Source') ?? 'unknown', model: text('Model'), psnr: value('PSNR'), bytes: value('Bytes'), gain: value('Gain'),
+    bitmap, source: text('Source') ?? 'unknown', model: text('Model'), engine: text('Engine'), psnr: value('PSNR'), bytes: value('Bytes'), gain: value('Gain'),
     expectedError: value('Expected-Error'), bound: value('Bound'), ...(low !== undefined && high !== undefined ? { range: [low, high] as const } : {}),
   };
 }

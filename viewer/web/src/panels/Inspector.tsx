@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createEffect, createMemo, createSignal, For, Show } from 'solid-js';
+import { createEffect, createMemo, createSignal, For, Index, onCleanup, Show } from 'solid-js';
 import { getJson } from '../api/client';
 import { links, type Links, type Member, type Moment } from '../api/types';
 import { copy, momentQuery, pythonLine } from '../state/actions';
@@ -18,15 +18,17 @@ import { describe } from './values';
 export function Inspector(props: { panel: Panel }) {
   const moment = createMoment(selected);
   const members = createMembers(selected);
-  const linked = createRequest<Links>(() => {
+  const linked = createRequest<Links & { id: string }>(() => {
     const here = moment.data();
-    return here && here.source !== 'predicted' ? { group: 'links', run: (signal) => getJson('links', { id: here.id }, links, signal) } : null;
+    return here && here.source !== 'predicted' ? { group: 'links', run: async (signal) => ({ id: here.id, ...(await getJson('links', { id: here.id }, links, signal)) }) } : null;
   });
+  // A search for links takes longer than a step, and those of another snapshot are not of this one.
+  const ownLinks = () => { const found = linked.data(); return found && found.id === moment.data()?.id ? found : undefined; };
   createEffect(() => {
-    const here = moment.data();
-    const found = linked.data();
-    setSelectedLinks(here && found ? { id: here.id, ids: [...new Set([...found.to.map((one) => one.id), ...found.from])] } : null);
+    const found = ownLinks();
+    setSelectedLinks(found ? { id: found.id, ids: [...new Set([...found.to.map((one) => one.id), ...found.from])] } : null);
   });
+  onCleanup(() => setSelectedLinks(null));
   const types = createMemo(() => new Map((members.data() ?? []).map((member) => [member.path, member])));
   return (
     <PanelFrame panel={props.panel} icon="list-tree" title="Inspector" entity={selected()} isBusy={moment.isBusy()} error={moment.error() || linked.error()} onRetry={moment.error() ? moment.retry : linked.retry}
@@ -39,15 +41,13 @@ export function Inspector(props: { panel: Panel }) {
         <Show when={moment.data()} fallback={<Show when={!moment.error()}><div class="skeleton tall" /></Show>}>
           {(here) => <>
             <Facts moment={here()} />
-            <Show when={linked.data()}>{(found) => <Chips links={found()} />}</Show>
-            <For each={here().instances}>{(instance) => (
-              <div class="tree" role="tree" aria-label={`Value of instance ${instance.index}`}>
-                <Show when={here().instances.length > 1}><p class="instance">Instance {instance.index}</p></Show>
-                <For each={describe(instance.data, '').children}>{(child) => (
-                  <Node name={child.key} path={child.path} value={child.value} depth={0} entity={selected()} time={here().time} types={types()} />
-                )}</For>
+            <Show when={ownLinks()}>{(found) => <Chips links={found()} />}</Show>
+            <Index each={here().instances}>{(instance) => (
+              <div class="tree" role="tree" aria-label={`Value of instance ${instance().index}`}>
+                <Show when={here().instances.length > 1}><p class="instance">Instance {instance().index}</p></Show>
+                <Nodes value={instance().data} path="" depth={0} entity={selected()} time={here().time} types={types()} />
               </div>
-            )}</For>
+            )}</Index>
             <Metadata moment={here()} />
           </>}
         </Show>
@@ -89,11 +89,27 @@ function Chips(props: { links: Links }) {
   );
 }
 
-interface NodeProps {
-  name: string; path: string; value: unknown; depth: number; entity: string; time: bigint; types: ReadonlyMap<string, Member>;
+interface NodesProps {
+  path: string; value: unknown; depth: number; entity: string; time: bigint; types: ReadonlyMap<string, Member>;
 }
 
-function Node(props: NodeProps) {
+const kMaxNodes = 512;
+
+/** What is in a value, or the value where nothing is in it. By place, so that what is open stays open in the next snapshot. */
+function Nodes(props: NodesProps) {
+  const parts = createMemo(() => {
+    const { children } = describe(props.value, props.path);
+    return children.length === 0 && props.depth === 0 ? [{ key: 'value', path: '', value: props.value }] : children;
+  });
+  return (
+    <>
+      <Index each={parts().slice(0, kMaxNodes)}>{(part) => <Node {...props} name={part().key} path={part().path} value={part().value} />}</Index>
+      <Show when={parts().length > kMaxNodes}><p class="muted">and {parts().length - kMaxNodes} more</p></Show>
+    </>
+  );
+}
+
+function Node(props: NodesProps & { name: string }) {
   const value = createMemo(() => describe(props.value, props.path));
   const [isOpen, setOpen] = createSignal(props.depth < 1 && value().children.length <= 8);
   const type = () => props.types.get(props.path);
@@ -125,9 +141,7 @@ function Node(props: NodeProps) {
           <IconButton icon="code" label={`Copy a line of Python for ${props.path}`} onClick={() => void copy(pythonLine(props.entity, props.time, props.path), 'a line of Python')} />
         </span>
       </div>
-      <Show when={isOpen()}>
-        <For each={value().children.slice(0, 512)}>{(child) => <Node {...props} name={child.key} path={child.path} value={child.value} depth={props.depth + 1} />}</For>
-      </Show>
+      <Show when={isOpen() && isGroup()}><Nodes {...props} depth={props.depth + 1} /></Show>
     </>
   );
 }

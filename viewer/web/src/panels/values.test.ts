@@ -30,6 +30,17 @@ suite('values', () => {
     expect(['pose/position[2]', 'm[1,1]', 'n', 'list/0', 'list/1/x', 'a\\/b', '$odd'].map((path) => numberAt(tree, path))).toEqual([3, 4, 7, 5, 6, 8, 9]);
     for (const path of ['', 'nothing', 'm', 'm[9,9]', 'm[0]', 'pose/position[7]', 'constructor', 'list/9', 'nan']) expect(numberAt(tree, path)).toBeNaN();
   });
+  it('that are no finite numbers are numbers all the same', () => {
+    for (const [value, text] of [['inf', 'Infinity'], ['-inf', '-Infinity'], ['nan', 'NaN'], ['nan:7fc00001', 'NaN']] as const) {
+      expect(describe({ $float64: value }, '')).toMatchObject({ kind: 'number', text, type: 'float64' });
+      expect(describe(describe({ $ndarray: { type: 'float32', shape: [1], data: [value] } }, 'a').children[0]!.value, 'a[0]')).toMatchObject({ kind: 'number', text });
+    }
+    expect(numberAt({ x: { $ndarray: { type: 'float32', shape: [2], data: [1, '-inf'] } } }, 'x[1]')).toBe(-Infinity);
+  });
+  it('keep all digits of integers', () => {
+    for (const value of [1_234_567, 2_147_483_647, 9_007_199_254_740_991]) expect(describe(value, '').text).toBe(String(value));
+    expect(describe({ $int32: -12_345_678 }, '').text).toBe('-12345678');
+  });
   it('that are hostile give words and no crash', () => {
     for (const value of [{ $ndarray: 5 }, { $ndarray: { data: 'x' } }, { $ndarray: { data: [{}], shape: 'x' } }, { $image: null }, { $link: 3 }, { $array: null }, { $more: 'x' }, undefined]) expect(() => describe(value, 'p')).not.toThrow();
     expect(describe('x'.repeat(1e6), '').text.length).toBeLessThan(500);

@@ -22,15 +22,25 @@ const shapeText = (shape: unknown): string => (Array.isArray(shape) ? `[${shape.
 const plain = (kind: Kind, type: string, text: string): Value => ({ kind, type, text, children: [] });
 const shorten = (text: string): string => (text.length > 400 ? `${text.slice(0, 400)}...` : text);
 
+/** A number as IDF's JSON has it; that has no NaN and no infinity, so they are texts. */
+function finiteOrNot(value: unknown): number | undefined {
+  if (typeof value === 'number') return value;
+  if (value === 'inf') return Infinity;
+  if (value === '-inf') return -Infinity;
+  return typeof value === 'string' && /^nan(:[0-9a-f]+)?$/.test(value) ? NaN : undefined;
+}
+
 function numberOf(value: unknown): number | undefined {
   if (typeof value === 'number') return value;
   for (const name of ['int32', 'float32', 'float64']) {
-    const found = isDict(value) ? value[`$${name}`] : undefined;
-    if (typeof found === 'number') return found;
-    if (found === 'nan') return NaN;
+    const found = isDict(value) ? finiteOrNot(value[`$${name}`]) : undefined;
+    if (found !== undefined) return found;
   }
   return undefined;
 }
+
+/** All digits of integers: a count that is rounded is another count. */
+const written = (value: number): string => (Number.isSafeInteger(value) ? String(value) : formatNumber(value));
 
 /** `[1,2]` for element 5 of shape [2, 3]. */
 function indexText(element: number, shape: readonly number[]): string {
@@ -48,10 +58,10 @@ const shapeOf = (value: Dict, count: number): number[] =>
 
 function arrayOf(value: Dict, path: string): Value {
   const type = `${typeof value.type === 'string' ? value.type : value.dtype ?? 'ndarray'} ${shapeText(value.shape)}`;
-  const data = Array.isArray(value.data) ? value.data : null;
+  const data = Array.isArray(value.data) ? value.data.map((part) => finiteOrNot(part) ?? part) : null;
   if (!data) return plain('summary', type, 'too many to send');
   const shape = shapeOf(value, data.length);
-  const text = data.slice(0, 6).map((part) => (typeof part === 'number' ? formatNumber(part) : String(part))).join(', ');
+  const text = data.slice(0, 6).map((part) => (typeof part === 'number' ? written(part) : String(part))).join(', ');
   return {
     kind: 'array', type, text: data.length > 6 ? `${text}, ...` : text,
     children: data.map((part, i) => ({ key: indexText(i, shape), path: path + indexText(i, shape), value: part })),
@@ -70,7 +80,8 @@ function summaryOf(value: Dict): Value | undefined {
 export function describe(value: unknown, path: string): Value {
   if (value === null || value === undefined) return plain('none', 'none', 'absent');
   if (typeof value === 'boolean') return plain('bool', 'bool', String(value));
-  if (typeof value === 'number') return plain('number', 'float64', formatNumber(value));
+  // JSON tells no int64 from a float64 that is an integer.
+  if (typeof value === 'number') return plain('number', Number.isInteger(value) ? 'number' : 'float64', written(value));
   if (typeof value === 'string') return plain('text', 'string', shorten(value));
   if (Array.isArray(value)) return { kind: 'list', type: `list [${value.length}]`, text: '', children: value.map((part, i) => ({ key: String(i), path: joinPath(path, String(i)), value: part })) };
   const dict = value as Dict;
@@ -83,7 +94,7 @@ export function describe(value: unknown, path: string): Value {
   const summary = summaryOf(dict);
   if (summary) return summary;
   const number = numberOf(dict);
-  if (number !== undefined) return plain('number', Object.keys(dict)[0]!.slice(1), formatNumber(number));
+  if (number !== undefined) return plain('number', Object.keys(dict)[0]!.slice(1), written(number));
   if (typeof dict.$int64 === 'string') return plain('number', 'int64', dict.$int64);
   const keys = Object.keys(dict);
   return {
@@ -107,5 +118,5 @@ export function numberAt(tree: unknown, path: string): number {
   if (!array || !Array.isArray(array.data)) return NaN;
   const shape = shapeOf(array, array.data.length);
   const element = shape.length === indices.length ? indices.reduce((at, index, axis) => at * shape[axis]! + index, 0) : -1;
-  return numberOf(array.data[element]) ?? NaN;
+  return finiteOrNot(array.data[element]) ?? NaN;
 }

@@ -20,7 +20,7 @@ export const createMoment = (entity: () => string, at: () => bigint = cursor): R
     const time = at();
     const first = nodeOf(id)?.first;
     if (first !== undefined && time < first)
-      return { group: `${id} before`, run: () => Promise.reject(new ApiError('kNotFound', `Nothing is known yet at this time: the first snapshot is at ${formatTime(first)}.`)) };
+      return { group: `${id} before`, run: () => Promise.reject(new ApiError('not found', `Nothing is known yet at this time: the first snapshot is at ${formatTime(first)}.`)) };
     const which = isPredicted(id, time) ? 'predict' : 'at-or-before';
     return { group: `${id} ${which}`, run: (signal) => getJson('moment', { entity: id, at: time, which }, moment, signal) };
   });

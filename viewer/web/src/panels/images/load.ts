@@ -44,7 +44,7 @@ async function one(asked: Asked, wanted: Wanted, signal: AbortSignal, forms?: re
     return { title: wanted.title, time: wanted.time, picture: await getImage(params, signal) };
   } catch (error) {
     if (signal.aborted) throw error;
-    const isAbsent = error instanceof ApiError && error.code === 'kNotFound';
+    const isAbsent = error instanceof ApiError && error.code === 'not found';
     return { title: wanted.title, time: wanted.time, missing: (isAbsent ? kAbsent[wanted.form] : undefined) ?? messageOf(error) };
   }
 }
@@ -67,13 +67,16 @@ export async function loadTiles(asked: Asked, here: Moment, signal: AbortSignal)
   return Promise.all(wanted.map((want) => one(asked, want, signal, here.forms)));
 }
 
+/** The nearest snapshot may be far away, such as the last one for a time after it. */
+const isNear = (found: bigint, wanted: bigint, horizon: bigint): boolean => 2n * (found > wanted ? found - wanted : wanted - found) < horizon;
+
 /** What is predicted from a past moment, beside what really came. */
 export async function loadForesight(asked: Asked, here: Moment, horizon: bigint, signal: AbortSignal): Promise<Tile[]> {
   const came = getJson('moment', { entity: asked.entity, at: here.time + horizon, which: 'nearest' }, momentDecoder, signal);
   const [now, predicted, later] = await Promise.all([
     one(asked, { title: 'From here', time: here.time, form: 'any', as: still(asked) }, signal),
     one(asked, { title: 'Predicted', time: here.time + horizon, form: 'predicted', as: still(asked), extra: { from: here.time, horizon } }, signal),
-    came.then((then): Promise<Tile> | Tile => one(asked, { title: 'What came', time: then.time, form: 'any', as: still(asked) }, signal), (error: unknown) => ({ title: 'What came', missing: messageOf(error) })),
+    came.then((then): Promise<Tile> | Tile => isNear(then.time, here.time + horizon, horizon) ? one(asked, { title: 'What came', time: then.time, form: 'any', as: still(asked) }, signal) : { title: 'What came', missing: 'Nothing was recorded at that time.' }, (error: unknown) => ({ title: 'What came', missing: messageOf(error) })),
   ]);
   return [now, predicted, later];
 }

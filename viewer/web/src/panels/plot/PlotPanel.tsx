@@ -107,10 +107,10 @@ export function PlotPanel(props: { panel: Panel }) {
   const line = (time: bigint | null) => { const at = lineAt(time, view(), box().width); return at === null ? 'none' : `translateX(${at + box().left}px)`; };
   const time = () => hover() ?? cursor();
   const toggle = (path: string) => { const next = new Set(hidden()); if (!next.delete(path)) next.add(path); setHidden(next); };
-  const label = (path: string) => { const member = numbers().find((other) => other.path === path); return member?.name ? `${member.name} ${/velocit/i.test(path) ? 'velocity' : ''}`.trim() : path; };
+  const label = (path: string) => { const member = numbers().find((other) => other.path === path); return member?.name ? `${member.name} ${/velocit/i.test(path) ? 'velocity' : ''}`.trim() : path || 'value'; };
   const unitOf = (path: string) => numbers().find((other) => other.path === path)?.unit ?? '';
   return (
-    <PanelFrame panel={props.panel} icon="chart-line" title="Plot" isBusy={plotted.isBusy() || whole.isBusy()} error={plotted.error() || members.error() || foreseen.error()} onRetry={() => { plotted.retry(); foreseen.retry(); }}
+    <PanelFrame panel={props.panel} icon="chart-line" title="Plot" isBusy={plotted.isBusy() || whole.isBusy()} error={plotted.error() || members.error() || foreseen.error()} onRetry={() => [plotted, members, foreseen].forEach((one) => { if (one.error()) one.retry(); })}
       actions={<>
         <IconButton icon="search" label="Choose series" isPressed={isPicking()} onClick={() => setPicking(!isPicking())} />
         <IconButton icon="sparkles" label="Predict from the cursor" isPressed={fromHere()} onClick={() => setOption(props.panel, 'from', fromHere() ? '0' : '1')} />

@@ -10,6 +10,7 @@ const kMaxSeries = 32;
 export function SeriesPicker(props: { panel: Panel; members: readonly Member[]; onClose: () => void }) {
   const [text, setText] = createSignal('');
   const [scrollTop, setScrollTop] = createSignal(0);
+  let list!: HTMLDivElement;
   const found = createMemo(() => {
     const words = text().toLowerCase().split(/\s+/).filter((word) => word !== '');
     return props.members.filter((member) => words.every((word) => `${member.path} ${member.name ?? ''} ${member.unit ?? ''}`.toLowerCase().includes(word)));
@@ -22,13 +23,13 @@ export function SeriesPicker(props: { panel: Panel; members: readonly Member[]; 
   };
   return (
     <div class="picker" onKeyDown={(event) => { if (event.key === 'Escape') { event.stopPropagation(); props.onClose(); } }}>
-      <input type="search" ref={(input) => queueMicrotask(() => input.focus())} placeholder={`Search ${props.members.length} series`} aria-label="Search series" value={text()} onInput={(event) => { setText(event.currentTarget.value); setScrollTop(0); }} />
-      <div class="picker-list" role="group" aria-label="Series" tabindex="0" style={{ height: `${Math.max(22, Math.min(154, found().length * 22))}px` }} onScroll={(event) => setScrollTop(event.currentTarget.scrollTop)}>
+      <input type="search" ref={(input) => queueMicrotask(() => input.focus())} placeholder={`Search ${props.members.length} series`} aria-label="Search series" value={text()} onInput={(event) => { setText(event.currentTarget.value); list.scrollTop = 0; }} />
+      <div class="picker-list" ref={list} role="group" aria-label="Series" tabindex="0" style={{ height: `${Math.max(22, Math.min(154, found().length * 22))}px` }} onScroll={(event) => setScrollTop(event.currentTarget.scrollTop)}>
         <div class="picker-all" style={{ height: `${found().length * 22}px` }}>
           <For each={found().slice(shown().first, shown().end)}>{(member, i) => (
             <label class="picker-row" style={{ top: `${(i() + shown().first) * 22}px` }}>
               <input type="checkbox" checked={props.panel.paths.includes(member.path)} onChange={() => toggle(member.path)} />
-              <span class="key">{member.path}</span><span class="muted">{member.name}</span><span class="unit">{member.unit}</span>
+              <span class="key">{member.path || 'value'}</span><span class="muted">{member.name}</span><span class="unit">{member.unit}</span>
             </label>
           )}</For>
         </div>

@@ -78,7 +78,7 @@ export function createChart(element: HTMLElement, width: number, height: number,
   const axis: uPlot.Axis = { font: kFont, stroke: theme.dim, grid: { stroke: theme.stripe, width: 1 }, ticks: { stroke: theme.line, width: 1, size: 4 } };
   const values = () => {
     const { foreseen, plotted } = shown();
-    return foreseen ? plotted.paths.flatMap((path, i) => (shown().isShown(path) ? foreseen.values[i]!.filter(Number.isFinite) : [])) : [];
+    return foreseen ? plotted.paths.flatMap((path, i) => (shown().isShown(path) ? (foreseen.values[i] ?? []).filter(Number.isFinite) : [])) : [];
   };
   const visible = (): Plotted => {
     const { plotted, isShown } = shown();

@@ -23,6 +23,12 @@ describe('points of a plot', () => {
     expect(gap.slice(6, 46).every((point) => point === null)).toBe(true);
     expect(gap[46]).toBe(4);
   });
+  it('leave out what is infinite, and keep the range of the others', () => {
+    const data = plotted([1, 2, 3], [1, -Infinity, 3], [1, Infinity, 3]);
+    expect(pointsOf(data.series[0]!)).toEqual([1, undefined, null, null, 3, undefined]);
+    expect(rangeOf(data, data.span)!.map((edge) => Math.round(edge))).toEqual([1, 3]);
+    expect(rangeOf(plotted([Infinity]), { from: 0n, to: 1_000_000_000n })).toBeNull();
+  });
   it('know the usual step', () => {
     expect(usualStep(Float32Array.of(1, NaN, NaN, 2, NaN, NaN, 3))).toBe(3);
     expect(usualStep(Float32Array.of(NaN, 1))).toBe(Infinity);

@@ -48,6 +48,12 @@ export function pointsOf(series: Series): (number | null | undefined)[] {
     if (Number.isNaN(last[i]!)) continue;
     // uPlot leaves out what is null, and only that: a gap is null all along.
     if (before >= 0 && i - before > limit) out.fill(null, 2 * before + 2, 2 * i);
+    // A value that float32 does not hold has no place on the screen.
+    if (!Number.isFinite(min[i]!) || !Number.isFinite(max[i]!)) {
+      out.fill(null, 2 * i, 2 * i + 2);
+      before = i;
+      continue;
+    }
     const endsHigh = Math.abs(last[i]! - max[i]!) <= Math.abs(last[i]! - min[i]!);
     if (min[i] === max[i]) out[2 * i] = last[i]!;
     else {
@@ -89,8 +95,8 @@ export function rangeOf(plotted: Plotted, visible: Span, more: readonly number[]
   const end = Math.min(plotted.pixels, Math.ceil(index(visible.to)));
   for (const series of plotted.series)
     for (let i = first; i < end; ++i) {
-      if (series.min[i]! < low) low = series.min[i]!;
-      if (series.max[i]! > high) high = series.max[i]!;
+      if (series.min[i]! < low && Number.isFinite(series.min[i]!)) low = series.min[i]!;
+      if (series.max[i]! > high && Number.isFinite(series.max[i]!)) high = series.max[i]!;
     }
   for (const value of more) {
     if (value < low) low = value;
