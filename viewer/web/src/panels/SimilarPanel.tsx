@@ -9,7 +9,7 @@ import { createRequest } from '../state/request';
 import { info, last, nodeOf, setCursor, setMarks, setOption, setSelected, type Panel } from '../state/store';
 import { formatClock, formatDuration, formatTime } from '../time/format';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
-import { Bitmap } from './images/PictureTile';
+import { Bitmap, closeReplaced } from './images/PictureTile';
 
 const thumbnails = new Turns(3);
 const kCounts = ['6', '12', '24'];
@@ -72,6 +72,7 @@ function Thumb(props: { id: string; path: string | undefined }) {
     group: `${props.id} ${props.path}`,
     run: (signal: AbortSignal) => thumbnails.run(() => getImage({ id: props.id, path: props.path, form: 'any', as: 'jpeg', quality: 80 }, signal), signal),
   }));
+  closeReplaced(createMemo(() => { const shown = picture.data(); return shown ? [shown.bitmap] : []; }));
   return (
     <span class="thumb-picture">
       <Show when={picture.data()} fallback={<span class="muted">{picture.error() ? 'no image' : ''}</span>}>{(shown) => <Bitmap bitmap={shown().bitmap} label="" />}</Show>

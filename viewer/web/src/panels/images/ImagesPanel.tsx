@@ -11,7 +11,7 @@ import { Empty, PanelFrame } from '../../ui/PanelFrame';
 import { theme } from '../../ui/theme';
 import { Compare } from './Compare';
 import { loadForesight, loadTiles, type Tile } from './load';
-import { captionOf, PictureTile } from './PictureTile';
+import { captionOf, closeReplaced, PictureTile } from './PictureTile';
 
 const kHorizons = [['200000000', '+200 ms'], ['400000000', '+400 ms'], ['1000000000', '+1 s']] as const;
 const kModes = [['side', 'Side'], ['blink', 'Blink'], ['slide', 'Slide']] as const;
@@ -38,11 +38,14 @@ export function ImagesPanel(props: { panel: Panel }) {
       run: (signal) => (foresees ? loadForesight(asked, here, ahead, signal) : loadTiles(asked, here, signal)),
     };
   });
+  closeReplaced(createMemo(() => (tiles.data() ?? []).flatMap((tile) => (tile.picture ? [tile.picture.bitmap] : []))));
   const instances = () => moment.data()?.instances.length ?? 1;
   const eye = (i: number) => (instances() === 2 && /stereo/i.test(entity()) ? ['left', 'right'][i]! : String(i));
+  // Recorded with reconstructed, or else predicted with what is beside it.
+  const compared = (shown: readonly Tile[]) => { const from = shown.length === 3 && horizon() > 0n ? 1 : 0; return { first: shown[from]!, second: shown[from + 1]! }; };
   const error = () => moment.error() || members.error() || tiles.error();
   return (
-    <PanelFrame panel={props.panel} icon="image" title="Images" isBusy={moment.isBusy() || tiles.isBusy()} error={error()} onRetry={moment.error() ? moment.retry : tiles.retry}
+    <PanelFrame panel={props.panel} icon="image" title="Images" isBusy={moment.isBusy() || tiles.isBusy()} error={error()} onRetry={() => [moment, members, tiles].find((one) => one.error())?.retry()}
       actions={<IconButton icon="download" label="Save these images as PNG" isDisabled={!tiles.data()} onClick={() => void save(tiles.data() ?? [], nodeOf(entity())?.name ?? 'images')} />}>
       <div class="bar">
         <span class="segments" role="group" aria-label="How to compare">
@@ -63,7 +66,7 @@ export function ImagesPanel(props: { panel: Panel }) {
       <Show when={!members.data() || images().length > 0} fallback={<Empty title="No images here">This entity has no member that is an image.</Empty>}>
         <Show when={tiles.data()} fallback={<Show when={!error()}><div class="tiles"><div class="skeleton square" /><div class="skeleton square" /><div class="skeleton square" /></div></Show>}>
           {(shown) => (
-            <Show when={option('m', 'side') === 'side' || shown().length < 2} fallback={<Compare first={shown().at(-2) && shown().length === 3 && horizon() === 0n ? shown()[0]! : shown().at(-2)!} second={shown().length === 3 && horizon() === 0n ? shown()[1]! : shown().at(-1)!} mode={option('m', 'side') as 'blink' | 'slide'} />}>
+            <Show when={option('m', 'side') === 'side' || shown().length < 2} fallback={<Compare {...compared(shown())} mode={option('m', 'side') as 'blink' | 'slide'} />}>
               <div class="tiles"><For each={shown()}>{(tile) => <PictureTile tile={tile} />}</For></div>
             </Show>
           )}

@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createEffect, Show } from 'solid-js';
+import { createEffect, on, onCleanup, Show } from 'solid-js';
 import { formatBytes, formatClock, formatNumber } from '../../time/format';
 import { SourceTag } from '../../ui/SourceTag';
 import type { Tile } from './load';
+
+/** Frees pictures once others take their place: browsers count their pixels late, and scrubbing makes many. */
+export function closeReplaced(bitmaps: () => readonly ImageBitmap[]): void {
+  let shown: readonly ImageBitmap[] = [];
+  const close = () => shown.forEach((bitmap) => bitmap.close());
+  createEffect(on(bitmaps, (next) => { close(); shown = next; }));
+  onCleanup(close);
+}
 
 /** Draws a bitmap at its own size; the style sheet scales it without smoothing. Without a label it adorns a text. */
 export function Bitmap(props: { bitmap: ImageBitmap; label: string }) {
@@ -27,6 +35,7 @@ export function captionOf(tile: Tile): string {
     picture.gain !== undefined ? `gain ${picture.gain}` : '',
     picture.expectedError !== undefined ? `expected error ${picture.expectedError.toPrecision(2)}` : '',
     picture.bound !== undefined ? `bound ${picture.bound.toPrecision(2)}` : '',
+    picture.engine ? `by ${picture.engine}` : '',
     picture.model && picture.source !== 'recorded' && picture.gain === undefined ? picture.model : '',
   ];
   return parts.filter((part) => part !== '').join(' · ');

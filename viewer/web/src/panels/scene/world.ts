@@ -152,6 +152,8 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
       controls.dispose();
       free(scene);
       renderer.dispose();
+      // Browsers have a few contexts alone, and free those of closed panels late.
+      renderer.forceContextLoss();
     },
   };
 }
