@@ -14,7 +14,7 @@ export function NightsPanel(props: { panel: Panel }) {
   const asked = createRequest<Nights>(() => (info() ? { group: 'nights', run: (signal) => getJson('nights', {}, nights, signal) } : null));
   const rows = createMemo(() => [...(asked.data()?.entities ?? [])].sort((a, b) => b.raw_bytes - a.raw_bytes));
   const kept = (row: Row) => row.stored_bytes + row.latent_bytes + row.model_bytes;
-  const most = createMemo(() => Math.max(1, ...rows().map(kept)));
+  const most = createMemo(() => rows().reduce((largest, row) => Math.max(largest, kept(row)), 1));
   const sum = (of: (row: Row) => number) => rows().reduce((total, row) => total + of(row), 0);
   const reflections = () => (asked.data()?.reflections ?? []).flatMap((one) => { const text = typeof one === 'string' ? one : (one as { text?: unknown } | null)?.text; return typeof text === 'string' ? [text] : []; });
   return (

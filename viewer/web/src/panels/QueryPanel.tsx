@@ -26,7 +26,8 @@ export function QueryPanel(props: { panel: Panel }) {
   const rows = createMemo(() => [
     ...(asked.data()?.entities ?? []).flatMap((entity) => entity.snapshots),
     ...(asked.data()?.ids ?? []).map((id) => ({ id, source: '' })),
-  ].map((row) => ({ ...row, ...parseId(row.id) })));
+  ]);
+  const shown = createMemo(() => rows().slice(0, kMaxRows).map((row) => ({ ...row, ...parseId(row.id) })));
   return (
     <PanelFrame panel={props.panel} icon="terminal" title="Query" isBusy={asked.isBusy()} error={asked.error()} onRetry={asked.retry}>
       <form class="bar" onSubmit={(event) => { event.preventDefault(); setOption(props.panel, 'q', text().trim()); }}>
@@ -36,9 +37,9 @@ export function QueryPanel(props: { panel: Panel }) {
       <Show when={asked.data()} fallback={<Show when={!asked.isBusy() && !asked.error()}><Empty title="Ask the memory">Names, then @ and a selector: latest, last:2s, T1..T2, +400ms. ?ids in front asks for IDs alone.</Empty></Show>}>
         <div class="series-table" tabindex="0" role="region" aria-label="Answer">
           <table>
-            <caption>{Math.min(kMaxRows, rows().length)} of {rows().length} snapshots</caption>
+            <caption>{shown().length} of {rows().length} snapshots</caption>
             <thead><tr><th scope="col">entity</th><th scope="col">time</th><th scope="col">source</th></tr></thead>
-            <tbody><For each={rows().slice(0, kMaxRows)}>{(row) => (
+            <tbody><For each={shown()}>{(row) => (
               <tr><th scope="row"><button onClick={() => follow(row.id)}>{row.entity}</button></th><td>{row.time === undefined ? '' : formatTime(row.time)}</td><td><Show when={row.source}><SourceTag source={row.source} /></Show></td></tr>
             )}</For></tbody>
           </table>

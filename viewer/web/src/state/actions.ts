@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What buttons and keys do. Both call the same functions.
 import { getJson } from '../api/client';
-import { moment, step } from '../api/types';
+import { step } from '../api/types';
 import { formatTime } from '../time/format';
 import { zoom, type Span } from '../time/span';
 import { parseId, queryNames } from './ids';
@@ -32,24 +32,10 @@ export async function stepBy(by: number): Promise<void> {
     if (cursor() > last() || (by > 0 && cursor() >= (nodeOf(entity)?.last ?? last()))) {
       setCursor(cursor() + BigInt(by) * 100_000_000n);
     } else setCursor((await getJson('step', { entity, at: cursor(), by }, step)).time);
-  } catch {
-    await stepSlowly(entity, by);
-  } finally {
-    stepping = false;
-  }
-}
-
-/** For gateways that know no /api/step: one neighbour after the other. */
-async function stepSlowly(entity: string, by: number): Promise<void> {
-  try {
-    let at: bigint | undefined = cursor();
-    for (let i = 0; i < Math.abs(by) && at !== undefined; ++i) {
-      const here: { previous?: bigint; next?: bigint } = await getJson('moment', { entity, at }, moment);
-      at = by > 0 ? here.next : here.previous;
-      if (at !== undefined) setCursor(at);
-    }
   } catch (error) {
     say(messageOf(error));
+  } finally {
+    stepping = false;
   }
 }
 
@@ -84,7 +70,8 @@ export function selectFrom(edge: 'from' | 'to'): void {
 }
 
 const quote = (text: string): string => `'${text.replace(/'/g, `'\\''`)}'`;
-const storeName = (): string => { const store = info()?.stores[0]; return quote(store?.path ?? store?.name ?? 'STORE').replace(/^'([\w./-]+)'$/, '$1'); };
+/** As a shell takes it, without quotes where it needs none. */
+const word = (text: string): string => quote(text).replace(/^'([\w./:-]+)'$/, '$1');
 
 /** The query of the chosen entity (or everything) in the selection. */
 export function selectionQuery(): string {
@@ -93,13 +80,19 @@ export function selectionQuery(): string {
   return `${names} @ ${formatTime(span.from)}..${formatTime(span.to)}`;
 }
 
-export const exportCommand = (): string => `engram export ${storeName()} ${quote(selectionQuery())} --to jsonl -o exported`;
-export const copyExport = (): Promise<void> => copy(exportCommand(), 'the command of the export');
+export function exportCommand(): string {
+  const store = info()?.stores[0];
+  // Only a store can be exported; a server is queried for the same.
+  if (store && store.path === undefined) return `engram query --server ${word(store.name)} ${quote(selectionQuery())} --json`;
+  return `engram export ${word(store?.path ?? 'STORE')} ${quote(selectionQuery())} --to jsonl -o exported`;
+}
+export const copyExport = (): Promise<void> => copy(exportCommand(), 'the command');
 export const copyLink = (): Promise<void> => copy(`${location.origin}${location.pathname}${encodeState(currentState())}`, 'a link to this view');
 
 export const momentQuery = (entity: string, time: bigint): string => `${queryNames(entity)} @ ${formatTime(time)}`;
 
 export function pythonLine(entity: string, time: bigint, path = ''): string {
-  const store = JSON.stringify(info()?.stores[0]?.path ?? info()?.stores[0]?.name ?? 'STORE');
-  return `engram.open(${store})[${JSON.stringify(entity)}].at(${time}).value${pythonIndex(path)}`;
+  const store = info()?.stores[0];
+  const memory = store && store.path === undefined ? `engram.connect(${JSON.stringify(store.name)})` : `engram.open(${JSON.stringify(store?.path ?? 'STORE')})`;
+  return `${memory}[${JSON.stringify(entity)}].at(${time}).value${pythonIndex(path)}`;
 }

@@ -17,6 +17,7 @@ describe('IDs', () => {
   });
   it('become names of a query', () => {
     expect(queryNames('A/B/cam.1/x (2)')).toBe('A/B/cam\\.1/x \\(2\\)');
+    expect(queryNames(' A/B;C/D @ latest/\\/x ')).toBe('\\ A/B\\;C/D \\@ latest/\\/x\\ ');
   });
 });
 

@@ -43,5 +43,5 @@ export function parseId(id: string): IdParts {
 /** The last name of an ID, which suffices where the row above tells the rest. */
 export const shortName = (id: string): string => nameOf(splitLevels(id).at(-1) ?? id);
 
-/** Names as a query takes them: what would be a regular expression is escaped. */
-export const queryNames = (id: string): string => id.replace(/[.*+?()[\]{}|^$]/g, '\\$&');
+/** Names as a query takes them: what would be a regular expression or end them is escaped (docs/query.md). */
+export const queryNames = (id: string): string => id.replace(/[.*+?()[\]{}|^$;@]|^ | $/g, '\\$&');

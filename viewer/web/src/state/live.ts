@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Follows a server as it records. Frames of commits move the end of time; nothing is asked for them
 // but what is on the screen.
-import { createEffect, createSignal, on, onCleanup } from 'solid-js';
+import { createEffect, createSignal, on, onCleanup, untrack } from 'solid-js';
 import { liveFrame } from '../api/types';
 import { parseId } from './ids';
 import { cursor, info, last, say, setCursor, setLiveLast } from './store';
@@ -55,7 +55,9 @@ export function watchLive(): void {
       };
     };
     connect();
-    setFollowing(true);
+    // A link to a moment of the past shows that moment, whatever is committed meanwhile.
+    expected = untrack(cursor);
+    setFollowing(expected >= untrack(last));
     onCleanup(() => { clearTimeout(timer); cancelAnimationFrame(frame); if (socket) { socket.onclose = null; socket.close(); } });
   });
   // Who moves the cursor wants to look at something: following pauses.

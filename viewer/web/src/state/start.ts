@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // From nothing to a usable view: what the memory is, what it holds, and which panels suit it.
 import { batch, createEffect, createSignal } from 'solid-js';
-import { getJson } from '../api/client';
+import { ApiError, getJson } from '../api/client';
 import { info as infoDecoder, isImage, treeLevel, type TreeNode } from '../api/types';
 import { membersOf } from './moment';
 import { messageOf } from './request';
@@ -13,17 +13,37 @@ export const [isReady, setReady] = createSignal(false);
 /** True once the first panels are there. */
 export const [isSettled, setSettled] = createSignal(false);
 
-/** Levels that are asked for at once; deeper trees of larger memories come as they are opened. */
+/** Levels that are asked for at once: all. */
 const kDepth = 4;
+/** Entities whose members are looked at where the tree does not tell their kinds. */
+const kMaxAsked = 24;
 
-const hasImage = (node: TreeNode): boolean => isImage(node.kinds);
+/** The whole tree, or its first level where that is too much for an answer; the others come as they are opened. */
+async function askTree(): Promise<TreeNode[]> {
+  const ask = async (depth: number) => (await getJson('tree', { under: '', depth }, treeLevel)).children;
+  try {
+    return await ask(kDepth);
+  } catch (error) {
+    if (error instanceof ApiError && error.code === 'resource exhausted') return ask(1);
+    throw error;
+  }
+}
+
+const hasImage = (node: TreeNode): boolean => isImage(node.kinds ?? []);
+
+/** Entities with their kinds: of a server, those of the members of the first few. */
+async function knownEntities(): Promise<TreeNode[]> {
+  const all = entities();
+  if (all.some((node) => node.kinds !== undefined)) return all;
+  return Promise.all(all.slice(0, kMaxAsked).map(async (node) => ({ ...node, kinds: (await membersOf(node.id).catch(() => [])).map((member) => member.kind) })));
+}
 
 /** The panels that a stranger wants to see first. */
 async function suggestPanels(): Promise<void> {
-  const all = entities();
-  const busiest = (nodes: readonly TreeNode[]) => [...nodes].sort((a, b) => b.snapshots - a.snapshots)[0];
-  const camera = busiest(all.filter(hasImage));
-  const moving = [...all].filter((node) => !hasImage(node) && node.kinds.includes('number') && node.snapshots > 1).sort((a, b) => b.snapshots - a.snapshots).slice(0, 2);
+  const all = [...(await knownEntities())].sort((a, b) => (b.snapshots ?? 0) - (a.snapshots ?? 0));
+  // Colours tell a stranger more than depth does, of which there is as much.
+  const camera = all.find((node) => node.kinds?.includes('image')) ?? all.find(hasImage);
+  const moving = all.filter((node) => !hasImage(node) && node.kinds?.includes('number') && (node.snapshots ?? 2) > 1).slice(0, 2);
   if (selected() === '') setSelected(camera?.id ?? moving[0]?.id ?? all[0]?.id ?? '');
   if (camera) openPanel('images', camera.id);
   for (const node of moving) {
@@ -38,11 +58,11 @@ async function suggestPanels(): Promise<void> {
 export async function start(): Promise<void> {
   setFailure('');
   try {
-    const [known, tree] = await Promise.all([getJson('info', {}, infoDecoder), getJson('tree', { under: '', depth: kDepth }, treeLevel)]);
+    const [known, tree] = await Promise.all([getJson('info', {}, infoDecoder), askTree()]);
     const state: ViewState = decodeState(location.hash);
     batch(() => {
       setInfo(known);
-      setRoots(tree.children);
+      setRoots(tree);
       setView(home());
       setCursor(known.last, false);
       applyState(state);

@@ -11,6 +11,7 @@ const state: ViewState = {
   panels: [
     { kind: 'images', entity: 'Vision/RGB/head/stereo', paths: [], options: { m: 'blink', i: '1' } },
     { kind: 'plot', entity: 'Robot State/ü/a/b', paths: ['positions[3]', 'pose/position[0]', 'm[1,2]'], options: {} },
+    { kind: 'plot', entity: 'A/B/C/D', paths: ['', '.'], options: {} },
     { kind: 'query', entity: '', paths: [], options: { q: "?ids Vision/.* @ last:2s, latest ; 'x' ~ & = %" } },
   ],
 };

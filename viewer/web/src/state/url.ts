@@ -2,7 +2,7 @@
 // The whole view as a short text behind '#', so that a copied link shows the same elsewhere.
 //
 // Form, version 1: `#1&t=CURSOR&v=FROM.LENGTH&r=FROM.LENGTH&s=ENTITY&c=ID,ID&p=PANEL;PANEL`; times are
-// base 36; a panel is `kind~entity~path,path~key.value,key.value`. What cannot be read is left out,
+// base 36; a panel is `kind~entity~path,path~key.value,key.value`, and `.` the path of a whole value. What cannot be read is left out,
 // so that a link of another version still opens.
 import type { Span } from '../time/span';
 
@@ -24,6 +24,9 @@ export interface ViewState {
   readonly collapsed?: readonly string[];
   readonly panels?: readonly PanelState[];
 }
+
+/** The path of a value that is a number or an image itself is empty, which a list cannot hold. */
+const kWhole = '.';
 
 /** Keeps '/' readable; everything that separates parts is escaped. */
 const escape = (text: string): string => encodeURIComponent(text).replace(/~/g, '%7E').replace(/\./g, '%2E').replace(/%2F/g, '/');
@@ -55,7 +58,7 @@ function readSpan(text: string | undefined): Span | undefined {
 
 function panelText(panel: PanelState): string {
   const options = Object.entries(panel.options).map(([key, value]) => `${escape(key)}.${escape(value)}`);
-  const parts = [panel.kind, escape(panel.entity), panel.paths.map(escape).join(','), options.join(',')];
+  const parts = [panel.kind, escape(panel.entity), panel.paths.map((path) => escape(path) || kWhole).join(','), options.join(',')];
   while (parts.length > 1 && parts[parts.length - 1] === '') parts.pop();
   return parts.join('~');
 }
@@ -67,7 +70,7 @@ function readPanel(text: string): PanelState | undefined {
   return {
     kind: kind as PanelKind,
     entity: unescape(entity),
-    paths: list(paths).slice(0, 32).map(unescape),
+    paths: list(paths).slice(0, 32).map((path) => (path === kWhole ? '' : unescape(path))),
     options: Object.fromEntries(list(options).map((pair) => pair.split('.')).filter((pair) => pair.length === 2).map(([key, value]) => [unescape(key!), unescape(value!)])),
   };
 }

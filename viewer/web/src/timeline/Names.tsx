@@ -32,12 +32,12 @@ export function Names(props: { rows: readonly Row[]; shown: { first: number; end
       <For each={props.rows.slice(props.shown.first, props.shown.end)}>{(row, i) => (
         <div id={`row-${row.id}`} class="name" classList={{ chosen: row.id === selected(), group: !row.isEntity }} role="treeitem" tabindex={isTabStop(row, i() + props.shown.first) ? 0 : -1}
           aria-level={row.depth + 1} aria-selected={row.id === selected()} aria-expanded={row.isEntity ? undefined : row.isOpen}
-          title={`${row.id}\n${formatCount(row.node.snapshots)} snapshots`}
+          title={row.node.snapshots === undefined ? row.id : `${row.id}\n${formatCount(row.node.snapshots)} snapshots`}
           style={{ top: `${(i() + props.shown.first) * kRowHeight}px`, 'padding-left': `${6 + row.depth * 13}px` }}
           onClick={() => { if (row.isEntity) setSelected(row.id); else props.onToggle(row); }} onKeyDown={(event) => onKey(event, row)}>
           <span class="twist" aria-hidden="true"><Show when={!row.isEntity}><Icon name={row.isOpen ? 'chevron-down' : 'chevron-right'} /></Show></span>
           <span class="label">{row.label}</span>
-          <span class="count">{formatCount(row.node.snapshots)}</span>
+          <span class="count">{row.node.snapshots === undefined ? '' : formatCount(row.node.snapshots)}</span>
         </div>
       )}</For>
     </div>

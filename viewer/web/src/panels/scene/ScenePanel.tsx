@@ -30,7 +30,7 @@ export default function ScenePanel(props: { panel: Panel }) {
   const [size, sizeRef] = createSize();
   const [anchors, setAnchors] = createSignal<readonly Anchor[]>([]);
   const [problem, setProblem] = createSignal('');
-  const placeable = createMemo(() => entities().filter((node) => node.kinds.includes('pose') || (node.kinds.includes('number') && /platform|localization|base/i.test(node.id))).map((node) => node.id).slice(0, kMaxEntities));
+  const placeable = createMemo(() => entities().filter((node) => !node.kinds || node.kinds.includes('pose') || (node.kinds.includes('number') && /platform|localization|base/i.test(node.id))).map((node) => node.id).slice(0, kMaxEntities));
   const found = createRequest<Found[]>(() => {
     const at = cursor();
     const ids = placeable();
@@ -70,17 +70,17 @@ export default function ScenePanel(props: { panel: Panel }) {
         <IconButton icon="table" label="Show places as a table" isPressed={isTable()} onClick={() => setTable(!isTable())} />
         <IconButton icon="download" label="Save the scene as PNG" onClick={() => { if (world) void download(world.canvas, 'scene.png'); }} />
       </>}>
-      <Show when={placeable().length > 0} fallback={<Empty title="Nothing has a place">Poses are dicts of a position and an orientation; no entity here has one.</Empty>}>
-        <div class="scene" hidden={isTable() || problem() !== ''} ref={(element) => { host = element; sizeRef(element); }} role="img" aria-label={`Scene with ${things().length} things; shown as a table on request`}>
-          <For each={anchors()}>{(anchor) => <span class="scene-label" style={{ transform: `translate(${Math.round(anchor.x)}px, ${Math.round(anchor.y)}px) translate(-50%, -100%)` }}>{anchor.label}</span>}</For>
+      <Show when={placeable().length === 0}><Empty title="Nothing has a place">Poses are dicts of a position and an orientation; no entity here has one.</Empty></Show>
+      {/* Always there, because three.js draws into it; entities may come later. */}
+      <div class="scene" hidden={isTable() || problem() !== '' || placeable().length === 0} ref={(element) => { host = element; sizeRef(element); }} role="img" aria-label={`Scene with ${things().length} things; shown as a table on request`}>
+        <For each={anchors()}>{(anchor) => <span class="scene-label" style={{ transform: `translate(${Math.round(anchor.x)}px, ${Math.round(anchor.y)}px) translate(-50%, -100%)` }}>{anchor.label}</span>}</For>
+      </div>
+      <Show when={placeable().length > 0 && (isTable() || problem() !== '')}>
+        <div class="series-table" tabindex="0" role="region" aria-label="Places">
+          <table><thead><tr><th scope="col">entity</th><th scope="col">x m</th><th scope="col">y m</th><th scope="col">z m</th><th scope="col">frame</th></tr></thead>
+            <tbody><For each={things()}>{(thing) => <tr><th scope="row"><button onClick={() => setSelected(thing.id)}>{thing.id}</button></th>
+              <For each={thing.placed.position}>{(value) => <td>{formatNumber(Math.round(value * 1e4) / 1e4)}</td>}</For><td>{/(?:^|\/)pose_([^_/]+)_/.exec(thing.placed.path)?.[1] ?? ''}</td></tr>}</For></tbody></table>
         </div>
-        <Show when={isTable() || problem() !== ''}>
-          <div class="series-table" tabindex="0" role="region" aria-label="Places">
-            <table><thead><tr><th scope="col">entity</th><th scope="col">x m</th><th scope="col">y m</th><th scope="col">z m</th><th scope="col">frame</th></tr></thead>
-              <tbody><For each={things()}>{(thing) => <tr><th scope="row"><button onClick={() => setSelected(thing.id)}>{thing.id}</button></th>
-                <For each={thing.placed.position}>{(value) => <td>{formatNumber(Math.round(value * 1e4) / 1e4)}</td>}</For><td>{thing.placed.path.split('_')[1] ?? ''}</td></tr>}</For></tbody></table>
-          </div>
-        </Show>
       </Show>
     </PanelFrame>
   );
