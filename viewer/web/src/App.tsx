@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createEffect, createSignal, For, lazy, on, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
+import { createEffect, createMemo, createSignal, For, lazy, on, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
 import { ImagesPanel } from './panels/images/ImagesPanel';
 import { Inspector } from './panels/Inspector';
 import { NightsPanel } from './panels/NightsPanel';
@@ -36,13 +36,13 @@ function AnyPanel(props: { panel: Panel }) {
   );
 }
 
-/** Panels by key, so that a changed option does not build a panel anew. */
+/** Panels by key, so that a changed option neither builds a panel anew nor makes others ask again. */
 function Panels(props: { isSide: boolean }) {
   const keys = () => panels().filter((panel) => (panel.kind === 'inspector' || panel.kind === 'similar') === props.isSide).map((panel) => panel.key);
   return (
     <For each={keys()}>{(key) => {
       const first = panels().find((panel) => panel.key === key)!;
-      const panel = () => panels().find((other) => other.key === key) ?? first;
+      const panel = createMemo<Panel>((before) => panels().find((other) => other.key === key) ?? before, first);
       return <div class={`slot slot-${first.kind}`} data-key={key}><AnyPanel panel={panel()} /></div>;
     }}</For>
   );

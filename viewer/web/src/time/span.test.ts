@@ -62,5 +62,6 @@ describe('spans of time', () => {
   it('leave room for the future behind the last snapshot', () => {
     expect(limitsOf(first, first + 1000n, 60n).to).toBeGreaterThan(first + 1060n);
     expect(limitsOf(first, first, 0n).to).toBeGreaterThan(first);
+    expect(limitsOf(-(2n ** 63n), 2n ** 63n - 1n, 60n)).toEqual({ from: -(2n ** 63n) + 1n, to: 2n ** 63n - 1n });
   });
 });

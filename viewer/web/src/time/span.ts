@@ -18,6 +18,11 @@ export const lengthOf = (span: Span): bigint => span.to - span.from;
 export const clampTime = (time: bigint, span: Span): bigint =>
   time < span.from ? span.from : time > span.to ? span.to : time;
 
+const kMaxTime = 2n ** 63n - 1n;
+
+/** The part of a span that int64 nanoseconds can name; others cannot be asked for. */
+export const whatExists = ({ from, to }: Span): Span => ({ from: from < -kMaxTime ? -kMaxTime : from, to: to > kMaxTime ? kMaxTime : to });
+
 /** Where a time lies on a screen `width` pixels wide that shows `span`. */
 export function xOf(time: bigint, span: Span, width: number): number {
   return (Number(time - span.from) / Number(span.to - span.from)) * width;
@@ -76,5 +81,5 @@ export function homeOf(first: bigint, last: bigint, limits: Span): Span {
 /** The whole of a memory and what is to come after it, with a little air before. */
 export function limitsOf(first: bigint, last: bigint, horizonNs: bigint): Span {
   const life = last > first ? last - first : 1_000_000_000n;
-  return { from: first - life / 100n - kMinSpanNs, to: last + (horizonNs > life / 50n ? horizonNs : life / 50n) + kMinSpanNs };
+  return whatExists({ from: first - life / 100n - kMinSpanNs, to: last + (horizonNs > life / 50n ? horizonNs : life / 50n) + kMinSpanNs });
 }

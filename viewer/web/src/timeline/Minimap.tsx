@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createEffect, createMemo, onCleanup, onMount } from 'solid-js';
-import { last, limits, liveLast, roots, setView, view } from '../state/store';
+import { last, limits, roots, setView, view } from '../state/store';
 import { lengthOf, pan, timeAt, zoom } from '../time/span';
 import { createSize, perFrame } from '../ui/size';
 import { sized, theme } from '../ui/theme';
@@ -14,7 +14,7 @@ export function Minimap() {
   let box!: HTMLDivElement;
   let canvas!: HTMLCanvasElement;
   const ids = createMemo(() => roots().map((root) => root.id).slice(0, 12));
-  const density = createDensity(ids, limits, () => size().width, () => (liveLast() ?? 0n) / 10_000_000_000n);
+  const density = createDensity(ids, limits, () => size().width, 10_000_000_000n);
   const paint = perFrame(() => {
     const { width, height } = size();
     if (width > 0) drawMinimap(sized(canvas, width, height), density.data(), view(), limits(), last(), width, height, theme());

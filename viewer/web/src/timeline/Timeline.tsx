@@ -6,7 +6,7 @@ import { copyExport, selectSpan } from '../state/actions';
 import { selectedLinks } from '../state/links';
 import { parseId } from '../state/ids';
 import { messageOf } from '../state/request';
-import { collapsed, cursor, hover, last, limits, liveLast, marks, roots, say, selected, selection, setChildren, setCursor, setHover, setSelected, setView, toggleCollapsed, view } from '../state/store';
+import { collapsed, cursor, hover, last, limits, marks, roots, say, selected, selection, setChildren, setCursor, setHover, setSelected, setView, toggleCollapsed, view } from '../state/store';
 import { formatDuration, formatTime } from '../time/format';
 import { lengthOf, pan, timeAt, zoom } from '../time/span';
 import { IconButton } from '../ui/Icon';
@@ -44,7 +44,7 @@ export function Timeline() {
   const lanesHeight = () => Math.max(0, area().height - kAxisHeight);
   const shown = createMemo(() => visibleRows(rows().length, scrollTop(), lanesHeight()));
   const ids = createMemo(() => rows().slice(shown().first, shown().end).map((row) => row.id), [], { equals: (a, b) => a.join('\n') === b.join('\n') });
-  const density = createDensity(ids, () => wider(view()), () => area().width * 2, () => (liveLast() ?? 0n) / 1_000_000_000n);
+  const density = createDensity(ids, () => wider(view()), () => area().width * 2, 1_000_000_000n);
 
   const lanePlaces = createMemo(() => new Map(rows().map((row, i) => [row.id, i])));
   const linkLines = () => {

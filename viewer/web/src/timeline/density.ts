@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Counts of snapshots per pixel, for the lanes on the screen.
+import { createMemo } from 'solid-js';
 import { decodeDensity, type Density } from '../api/binary';
 import { getBinary } from '../api/client';
 import { createRequest, type Request } from '../state/request';
-import { lengthOf, type Span } from '../time/span';
+import { liveLast } from '../state/store';
+import { lengthOf, whatExists, type Span } from '../time/span';
 
 export interface Densities {
   readonly span: Span;
@@ -14,7 +16,7 @@ export interface Densities {
 /** Half a screen more to both sides, so that panning shows something before the answer is there. */
 export function wider(span: Span): Span {
   const half = lengthOf(span) / 2n;
-  return { from: span.from - half, to: span.to + half };
+  return whatExists({ from: span.from - half, to: span.to + half });
 }
 
 export async function askDensity(ids: readonly string[], span: Span, pixels: number, signal?: AbortSignal): Promise<Densities> {
@@ -23,12 +25,15 @@ export async function askDensity(ids: readonly string[], span: Span, pixels: num
   return { span, pixels, lanes: new Map(ids.map((id, i) => [id, lanes[i]!])) };
 }
 
-export const createDensity = (ids: () => readonly string[], span: () => Span, pixels: () => number, version: () => unknown = () => 0): Request<Densities> =>
-  createRequest(() => {
-    version();
+/** Asks again whenever what is shown changes, and where a memory grows, every `growth` of it. */
+export function createDensity(ids: () => readonly string[], span: () => Span, pixels: () => number, growth: bigint): Request<Densities> {
+  const grown = createMemo(() => (liveLast() ?? 0n) / growth);
+  return createRequest(() => {
+    grown();
     const asked = ids();
     const width = Math.min(4000, Math.round(pixels()));
     const here = span();
     if (asked.length === 0 || width < 2) return null;
     return { group: 'density', run: (signal) => askDensity(asked, here, width, signal) };
   });
+}

@@ -48,7 +48,7 @@ export function listen(element: HTMLElement, to: Gestures): () => void {
     element.setPointerCapture(event.pointerId);
     fingers.set(event.pointerId, at(event));
     moved = false;
-    if (fingers.size === 2) {
+    if (fingers.size >= 2) {
       mode = 'pinch';
       return;
     }
@@ -59,7 +59,9 @@ export function listen(element: HTMLElement, to: Gestures): () => void {
 
   const pinch = (id: number, next: Finger): void => {
     const here = fingers.get(id)!;
-    const other = [...fingers].find(([key]) => key !== id)![1];
+    const [, other] = [...fingers].find(([key]) => key !== id) ?? [];
+    // The finger that is left of two means nothing until it is lifted, too.
+    if (!other) return;
     const before = Math.max(8, Math.abs(here.x - other.x));
     const after = Math.max(8, Math.abs(next.x - other.x));
     to.zoom((next.x + other.x) / 2, before / after);
@@ -81,7 +83,8 @@ export function listen(element: HTMLElement, to: Gestures): () => void {
 
   const onUp = (event: PointerEvent): void => {
     if (!fingers.delete(event.pointerId)) return;
-    if (mode === 'pan' && !moved && start) to.pick(start.x, start.y);
+    // What the browser takes over (pointercancel) was no click.
+    if (event.type === 'pointerup' && mode === 'pan' && !moved && start) to.pick(start.x, start.y);
     if (fingers.size === 0) {
       mode = 'none';
       start = null;
