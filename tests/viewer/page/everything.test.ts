@@ -141,7 +141,7 @@ describe('accessibility', () => {
 describe('what goes wrong', () => {
   it('is said in the panel, which tries again', async () => {
     let isBroken = true;
-    const { page } = await visit({ expected: /500/, intercept: (url) => (isBroken && url.pathname === '/api/series' ? refusal(500, 'kDataLoss', "snapshot 'A/B/C/D' is damaged: checksum 5 found, 6 needed") : null) });
+    const { page } = await visit({ expected: /500/, intercept: (url) => (isBroken && url.pathname === '/api/series' ? refusal(500, 'data loss', "snapshot 'A/B/C/D' is damaged: checksum 5 found, 6 needed") : null) });
     const plot = page.locator('[data-panel=plot]').first();
     await plot.getByRole('alert').getByText(/checksum 5 found/).waitFor();
     isBroken = false;
@@ -211,10 +211,66 @@ describe('what goes wrong', () => {
   });
 });
 
+describe('a change of one panel', () => {
+  it('makes no other ask again', async () => {
+    const { page, mock } = await visit();
+    await page.locator('.thumb canvas').first().waitFor();
+    await page.waitForTimeout(1500);
+    mock.state.requests.length = 0;
+    await page.locator('[data-panel=plot]').first().getByRole('button', { name: 'Show as a table' }).click();
+    await page.waitForTimeout(500);
+    expect(mock.state.requests.filter((request) => !request.startsWith('/api/series') && !request.startsWith('/api/predict'))).toEqual([]);
+  });
+});
+
+describe('a server', () => {
+  it('that tells names alone is shown all the same', async () => {
+    const node = (id: string, level: string, children?: unknown[]) => ({ id, name: id, level, entities: 1, ...(children ? { children } : {}) });
+    const chain = (id: string) => { const [a, b, c] = id.split('/'); return node(a!, 'memory', [node(`${a}/${b}`, 'core', [node(`${a}/${b}/${c}`, 'provider', [node(id, 'entity')])])]); };
+    const { page } = await visit({ intercept: (url) => (url.pathname === '/api/tree' ? json({ under: '', children: [chain('Vision/RGB/head/stereo'), chain('RobotState/Proprioception/robot/joints')] }) : null) });
+    const kinds = () => page.locator('.panels-main [data-panel]').evaluateAll((all) => all.map((one) => one.getAttribute('data-panel')));
+    await expect.poll(kinds).toEqual(['images', 'plot']);
+    await page.getByRole('button', { name: 'Panel', exact: true }).click();
+    expect(await page.getByRole('button', { name: 'Plot', exact: true }).isEnabled()).toBe(true);
+    await page.keyboard.press('Escape');
+    await page.locator('h1').click();
+    await page.keyboard.press('3');
+    await expect.poll(() => page.locator('.scene-label').count()).toBeGreaterThan(0);
+  });
+
+  it('with nothing that has a place says so in the scene', async () => {
+    const tree = [{ id: 'A', name: 'A', level: 'memory', children: [{ id: 'A/B', name: 'B', level: 'core', children: [{ id: 'A/B/C', name: 'C', level: 'provider', children: [{ id: 'Speech/Commands/human/text', name: 'text', level: 'entity', kinds: ['text'], snapshots: 3 }] }] }] }];
+    const { page } = await visit({ expected: /404/, intercept: (url) => (url.pathname === '/api/tree' ? json({ under: '', children: tree }) : null) });
+    await page.keyboard.press('3');
+    const panel = page.locator('[data-panel=scene]');
+    await panel.getByText('Nothing has a place').waitFor();
+    expect(await panel.getByRole('alert').count()).toBe(0);
+  });
+
+  it('of more entities than fit an answer opens by its first level', async () => {
+    const { page } = await visit({
+      ready: false, expected: /413|Failed/, intercept: (url) => (url.pathname === '/api/tree' && Number(url.searchParams.get('depth')) > 1 ? refusal(413, 'resource exhausted', 'the answer has 99999999 bytes') : null),
+    });
+    const vision = page.getByRole('treeitem', { name: /^Vision/ });
+    await vision.click();
+    await page.getByRole('treeitem', { name: /^RGB/ }).waitFor();
+  });
+});
+
 describe('a memory that records', () => {
+  const liveInfo = () => json({ name: 'engram', version: '1', stores: [{ name: 'robot' }], first: `${kStart}`, last: `${kStart + 1_379_000_000_000n}`, entities: 32, snapshots: 250094, is_live: true, max_horizon_ns: '60000000000' });
+
+  it('stays at the moment that a link leads to', async () => {
+    const cursor = kStart + 728_250_000_007n;
+    const { page } = await visit({ hash: `#1&t=${cursor.toString(36)}`, intercept: (url) => (url.pathname === '/api/info' ? liveInfo() : null) });
+    await page.getByRole('button', { name: 'Follow', exact: true }).waitFor();
+    await page.waitForTimeout(1300);
+    expect(await cursorOf(page)).toBe(cursor);
+  });
+
   it('is followed, and pauses when somebody looks back', async () => {
     const { page } = await visit({
-      intercept: (url) => url.pathname !== '/api/info' ? null : json({ name: 'engram', version: '1', stores: [{ name: 'robot' }], first: `${kStart}`, last: `${kStart + 1_379_000_000_000n}`, entities: 32, snapshots: 250094, is_live: true, max_horizon_ns: '60000000000' }),
+      intercept: (url) => (url.pathname === '/api/info' ? liveInfo() : null),
     });
     await page.getByRole('button', { name: 'Live', exact: true }).waitFor();
     const before = await cursorOf(page);

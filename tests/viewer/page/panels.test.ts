@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { choose, coloursOf, cursorOf, goTo, kStart, useBrowser, visit } from './browser';
+import { choose, coloursOf, cursorOf, goTo, json, kStart, useBrowser, visit } from './browser';
 
 useBrowser();
 
@@ -51,6 +51,34 @@ describe('the future', () => {
 });
 
 describe('images', () => {
+  it('give back their pixels when others take their place', async () => {
+    const { page } = await visit();
+    await page.evaluate(() => {
+      const counts = { open: 0 };
+      const make = window.createImageBitmap.bind(window) as (blob: Blob) => Promise<ImageBitmap>;
+      const close = ImageBitmap.prototype.close;
+      window.createImageBitmap = (async (blob: Blob) => { const made = await make(blob); counts.open += 1; return made; }) as typeof window.createImageBitmap;
+      ImageBitmap.prototype.close = function (this: ImageBitmap) { counts.open -= 1; close.call(this); };
+      Object.assign(window, { counts });
+    });
+    await page.getByRole('button', { name: 'Close Similar moments' }).click();
+    await choose(page, 'stereo');
+    for (let i = 0; i < 12; ++i) {
+      await goTo(page, `07:12:${10 + i}.25`);
+      await page.waitForTimeout(120);
+    }
+    await page.waitForTimeout(500);
+    expect(await page.evaluate(() => (window as unknown as { counts: { open: number } }).counts.open)).toBeLessThanOrEqual(3);
+    expect(await page.locator('[data-panel=images] canvas').count()).toBe(3);
+  });
+
+  it('of what came are of that time alone', async () => {
+    const { page } = await visit();
+    const images = page.locator('[data-panel=images]');
+    await images.getByLabel('predict ahead').selectOption({ label: '+400 ms' });
+    await images.getByText('Nothing was recorded at that time.').waitFor();
+  });
+
   it('are shown recorded, reconstructed and as a map of errors, with what they cost', async () => {
     const { page } = await visit();
     await goTo(page, '07:12:08.25');
@@ -172,6 +200,57 @@ describe('the inspector', () => {
     await expect.poll(() => inspector.locator('.entity-path').textContent()).toBe('Objects/Instances/kitchen/cereal_box_1');
     await inspector.getByRole('button', { name: /^Links to Vision\/RGB\/head\/stereo/ }).first().click();
     await expect.poll(() => inspector.locator('.entity-path').textContent()).toBe('Vision/RGB/head/stereo');
+  });
+});
+
+describe('values in the inspector', () => {
+  it('keeps open what was opened in the next snapshot', async () => {
+    const { page } = await visit();
+    await goTo(page, '07:12:08.25');
+    await choose(page, 'salt');
+    const node = () => page.getByLabel(/^Inspector/).getByRole('treeitem', { name: /orientation/ }).first();
+    await node().focus();
+    const open = await node().getAttribute('aria-expanded');
+    await node().press(open === 'true' ? 'ArrowLeft' : 'ArrowRight');
+    const before = await cursorOf(page);
+    await page.getByRole('button', { name: 'Next snapshot of the chosen entity' }).click();
+    await expect.poll(() => cursorOf(page)).not.toBe(before);
+    await page.waitForTimeout(300);
+    expect(await node().getAttribute('aria-expanded')).toBe(open === 'true' ? 'false' : 'true');
+  });
+
+  it('shows a value that is a number itself, and the first of very many', async () => {
+    let data: unknown = 21.5;
+    const moment = () => json({ id: 'A/B/C/D/5', time: '1767250800000000000', source: 'recorded', instances: [{ index: 0, data }], previous: null, next: null });
+    const { page } = await visit({ expected: /404/, intercept: (url) => (url.pathname === '/api/moment' ? moment() : null) });
+    const inspector = page.getByLabel(/^Inspector/);
+    await expect.poll(() => inspector.getByRole('treeitem').allTextContents()).toEqual([expect.stringMatching(/value.*21\.5/)]);
+    data = Object.fromEntries(Array.from({ length: 20_000 }, (_, i) => [`<img src=x onerror=alert(${i})>`, i]));
+    await choose(page, 'salt');
+    await inspector.getByText('and 19488 more').waitFor();
+    expect(await page.locator('img').count()).toBe(0);
+  });
+
+  it('takes its lines with it, and shows no links of another snapshot', async () => {
+    const { page, mock } = await visit();
+    const chips = page.getByLabel(/^Inspector/).locator('.chip');
+    await choose(page, 'stereo');
+    await expect.poll(() => chips.count()).toBeGreaterThan(0);
+    mock.state.delayMs = 400;
+    await choose(page, 'battery');
+    await page.getByLabel(/^Inspector/).getByRole('treeitem', { name: /voltage/ }).waitFor();
+    expect(await chips.count()).toBe(0);
+    mock.state.delayMs = 0;
+    await choose(page, 'stereo');
+    const ink = () => page.locator('.overlay-canvas').evaluate((element) => {
+      const canvas = element as HTMLCanvasElement;
+      const { data } = canvas.getContext('2d')!.getImageData(0, 30, canvas.width, canvas.height - 30);
+      for (let i = 0; i < data.length; i += 4) if (data[i + 3]! > 90 && data[i]! < 60 && data[i + 1]! < 60 && data[i + 2]! < 60) return true;
+      return false;
+    });
+    await expect.poll(ink).toBe(true);
+    await page.getByRole('button', { name: 'Close Inspector' }).click();
+    await expect.poll(ink).toBe(false);
   });
 });
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what the page weighs gzipped, and fails above the bars of docs/viewer.md: what the first
+// Prints what the page weighs gzipped, and fails above the bars of README.md: what the first
 // transfer takes, and what it takes once three.js is there.
 import { readdirSync, readFileSync } from 'node:fs';
 import { gzipSync } from 'node:zlib';

@@ -8,12 +8,10 @@ import chevronRight from 'lucide/dist/esm/icons/chevron-right.mjs';
 import code from 'lucide/dist/esm/icons/code.mjs';
 import copy from 'lucide/dist/esm/icons/copy.mjs';
 import download from 'lucide/dist/esm/icons/download.mjs';
-import eye from 'lucide/dist/esm/icons/eye.mjs';
 import help from 'lucide/dist/esm/icons/circle-question-mark.mjs';
 import image from 'lucide/dist/esm/icons/image.mjs';
 import link from 'lucide/dist/esm/icons/link.mjs';
 import listTree from 'lucide/dist/esm/icons/list-tree.mjs';
-import maximize from 'lucide/dist/esm/icons/maximize.mjs';
 import moon from 'lucide/dist/esm/icons/moon.mjs';
 import pause from 'lucide/dist/esm/icons/pause.mjs';
 import play from 'lucide/dist/esm/icons/play.mjs';
@@ -31,7 +29,7 @@ import x from 'lucide/dist/esm/icons/x.mjs';
 
 const kIcons = {
   'arrow-left': arrowLeft, 'arrow-right': arrowRight, box, 'chart-line': chartLine, 'chevron-down': chevronDown, 'chevron-right': chevronRight, code, copy,
-  download, eye, help, image, link, 'list-tree': listTree, maximize, moon, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
+  download, help, image, link, 'list-tree': listTree, moon, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
   sparkles, 'step-back': stepBack, 'step-forward': stepForward, table, terminal, x,
 };
 export type IconName = keyof typeof kIcons;

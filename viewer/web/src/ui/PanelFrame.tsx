@@ -13,7 +13,7 @@ export interface FrameProps {
   /** What is shown, where the panel follows the chosen entity. */
   readonly entity?: string;
   readonly isBusy?: boolean;
-  /** What went wrong and what to do; shown instead of the body. */
+  /** What went wrong and what to do; shown above the body, which has what is still known. */
   readonly error?: string;
   readonly onRetry?: () => void;
   readonly actions?: JSX.Element;

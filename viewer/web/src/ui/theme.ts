@@ -5,11 +5,11 @@ import { createSignal } from 'solid-js';
 export interface Theme {
   readonly ink: string; readonly dim: string; readonly faint: string; readonly line: string; readonly panel: string; readonly stripe: string;
   readonly accent: string; readonly hover: string; readonly select: string; readonly mark: string;
-  readonly recorded: string; readonly latent: string; readonly video: string; readonly augmented: string; readonly predicted: string;
+  readonly recorded: string; readonly latent: string; readonly augmented: string; readonly predicted: string;
   readonly series: readonly string[];
 }
 
-const kNames = ['ink', 'dim', 'faint', 'line', 'panel', 'stripe', 'accent', 'hover', 'select', 'mark', 'recorded', 'latent', 'video', 'augmented', 'predicted'] as const;
+const kNames = ['ink', 'dim', 'faint', 'line', 'panel', 'stripe', 'accent', 'hover', 'select', 'mark', 'recorded', 'latent', 'augmented', 'predicted'] as const;
 
 function read(): Theme {
   const style = getComputedStyle(document.documentElement);
