@@ -31,7 +31,14 @@ size_t EntityContext::held_bytes() const {
          bytes_of(cameras.orientation) + bytes_of(cameras.calibration) + bytes_of(links.snapshot) +
          bytes_of(links.instance) + bytes_of(links.target) + bytes_of(links.time) +
          bytes_of(links.index) + bytes_of(spans.snapshot) + bytes_of(spans.started) +
-         bytes_of(spans.ended) + bytes_of(frames) + bytes_of(intrinsics) + bytes_of(targets);
+         bytes_of(spans.ended) + bytes_of(frames) + bytes_of(intrinsics) + bytes_of(targets) +
+         (runs.found ? runs.found->held_bytes() : 0);
+}
+
+void EntityContext::find_runs() {
+  const bool are_many =
+      places.size() >= ContextRuns::kMinRows || cameras.size() >= ContextRuns::kMinRows;
+  runs.found = are_many ? std::make_shared<const ContextRuns>(*this) : nullptr;
 }
 
 MemoryId EntityContext::link(size_t row) const {

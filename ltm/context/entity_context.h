@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
 
+#include "ltm/context/context_runs.h"
 #include "ltm/core/time.h"
 #include "ltm/memory/memory_id.h"
 
@@ -85,6 +87,17 @@ struct EntityContext {
   std::vector<Intrinsics> intrinsics;  ///< Of cameras whose own values have them.
   std::vector<MemoryId> targets;       ///< Entities.
 
+  /// Bounds of runs of places and cameras, which find_runs() makes; two contexts are equal whether
+  /// they have them or not.
+  struct Runs {
+    std::shared_ptr<const ContextRuns> found;
+    friend bool operator==(const Runs&, const Runs&) { return true; }
+  };
+  Runs runs;
+  /// Makes questions about places quicker, once everything else is there; without it they have the
+  /// same answers.
+  void find_runs();
+
   /// What a row of the links leads to: an entity, a snapshot or an instance.
   [[nodiscard]] MemoryId link(size_t row) const;
 
@@ -122,7 +135,10 @@ class ContextMerger {
   /// Adds a snapshot of `from`, later than all that were added. Of one source they come in order.
   void add(const EntityContext& from, uint32_t snapshot);
 
-  [[nodiscard]] EntityContext take() && { return std::move(merged_); }
+  [[nodiscard]] EntityContext take() && {
+    merged_.find_runs();
+    return std::move(merged_);
+  }
 
  private:
   /// How far a source was copied, and what its names are in the result.

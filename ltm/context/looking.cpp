@@ -37,6 +37,7 @@ Looking::Looking(const MemoryId& camera, const EntityContext& camera_context, co
                           : static_cast<uint32_t>(found - thing_.frames.begin()));
   }
   for (const Intrinsics& own : camera_.intrinsics) own_lenses_.push_back({own, planes_of(own)});
+  find_runs();
 }
 
 Status Looking::check() const {
@@ -57,12 +58,7 @@ Status Looking::check() const {
 
 Result<Met> Looking::images_of_thing() {
   Met met(camera_.times.size(), 0);
-  for (uint32_t i = 0; i < met.size(); ++i) {
-    const uint32_t thing = thing_times_.last_until(camera_.times[i]);
-    if (thing == kNoRow) continue;
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_met, holds(i, thing));
-    met[i] = is_met ? 1 : 0;
-  }
+  ENGRAM_RETURN_IF_ERROR(judge_cameras(met));
   ENGRAM_RETURN_IF_ERROR(without_hidden(met, [this](uint32_t image) {
     return std::pair(image, thing_times_.last_until(camera_.times[image]));
   }));
@@ -71,38 +67,10 @@ Result<Met> Looking::images_of_thing() {
 
 Result<Met> Looking::things_in_images() {
   Met met(thing_.times.size(), 0);
-  if (target_ == kNoRow) {
-    ENGRAM_RETURN_IF_ERROR(judge_images(met));
-  } else {
-    for (uint32_t i = 0; i < met.size(); ++i) {
-      const uint32_t camera = camera_of(i);
-      if (camera == kNoRow) continue;
-      ENGRAM_ASSIGN_OR_RETURN(const bool is_met, holds(camera, i));
-      met[i] = is_met ? 1 : 0;
-    }
-  }
+  ENGRAM_RETURN_IF_ERROR(target_ == kNoRow ? judge_images(met) : judge_linked(met));
   ENGRAM_RETURN_IF_ERROR(
       without_hidden(met, [this](uint32_t thing) { return std::pair(camera_of(thing), thing); }));
   return met;
-}
-
-// Without links the snapshots that belong to an image are those until the next one.
-Status Looking::judge_images(Met& met) {
-  const auto count = static_cast<uint32_t>(met.size());
-  const size_t images = camera_.times.size();
-  uint32_t end = 0;
-  while (images > 0 && end < count && thing_.times[end] < camera_.times[0]) ++end;
-  size_t place = first_row(thing_.places.snapshot, end);
-  for (uint32_t image = 0; image < images && end < count; ++image) {
-    const uint32_t begin = end;
-    if (image + 1 == images) end = count;
-    while (end < count && thing_.times[end] < camera_.times[image + 1]) ++end;
-    if (begin == end) continue;
-    const size_t first = place;
-    while (place < thing_.places.size() && thing_.places.snapshot[place] < end) ++place;
-    ENGRAM_RETURN_IF_ERROR(judge_image(image, {first, place}, met));
-  }
-  return {};
 }
 
 // No branch depends on what is seen, of which no processor knows the next.

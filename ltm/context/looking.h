@@ -70,10 +70,30 @@ class Looking {
     LensPlanes planes;
   };
 
+  /// Images from `first` to before `last`, and the snapshots of the thing that belong to them, from
+  /// `begin` to before `end`.
+  struct Scope {
+    uint32_t first = 0, last = 0;
+    uint32_t begin = 0, end = 0;
+  };
+  static constexpr uint32_t kFewImages = 4;  ///< That are not told at once.
+
   /// Finds what is in view in all images, of which no links tell the things.
   Status judge_images(Met& met);
+  /// The same in some of them: at once if that can be told, or else in each half.
+  Status judge(const Scope& scope, Met& met);
+  /// The same in each image. `is_inside`: all places are known to be in view.
+  Status judge_each(const Scope& scope, bool is_inside, Met& met);
   /// The same in one image, of the places that belong to it.
   Status judge_image(uint32_t camera, RowCursor::Rows rows, Met& met);
+  /// Finds which images have the thing in view.
+  Status judge_cameras(Met& met);
+  Status judge_cameras(const Scope& scope, Met& met);
+  /// Finds what is in view in the images that the things link to.
+  Status judge_linked(Met& met);
+  void find_runs();
+  /// Whether all images of a scope have all its places in view, or none has one of them.
+  Result<Glance> glance_at_all(const Scope& scope);
   /// Whether a snapshot of the camera and one of the thing are what is asked for, but for what may
   /// be hidden.
   Result<bool> holds(uint32_t camera, uint32_t thing);
@@ -113,6 +133,8 @@ class Looking {
   const EntityContext& thing_;
   const Sighting sighting_;
   KnownContexts& contexts_;
+  const ContextRuns* camera_runs_ = nullptr;  ///< Null if they tell nothing of use.
+  const ContextRuns* thing_runs_ = nullptr;
   const Visibility* const visibility_;  ///< Of the thing; null if none of its snapshots tells.
   RowCursor camera_rows_, look_rows_, place_rows_, link_rows_;
   uint32_t target_ = kNoRow;      ///< The camera among what the thing links to; kNoRow: not there.

@@ -174,6 +174,7 @@ std::optional<Intrinsics> intrinsics_in(const idf::Data& value) {
 EntityContext ContextReader::take() && {
   if (!context_.visibility.empty())
     context_.visibility.resize(context_.times.size(), EntityContext::Visibility::kUntold);
+  context_.find_runs();
   return std::move(context_);
 }
 

@@ -131,8 +131,8 @@ bool are_calibrations(const EntityContext& context) {
 
 bool is_consistent(const EntityContext& context) {
   const size_t count = context.times.size();
-  const auto& [times, visibility, places, cameras, links, spans, frames, intrinsics, targets] =
-      context;
+  const auto& [times, visibility, places, cameras, links, spans, frames, intrinsics, targets,
+               runs] = context;
   return is_increasing(times) && (visibility.empty() || visibility.size() == count) &&
          std::ranges::all_of(
              visibility,

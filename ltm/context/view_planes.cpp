@@ -64,4 +64,51 @@ ViewPlanes turned(const LensPlanes& lens, const double* position, const double* 
   return view;
 }
 
+// Intervals for what glance_at() has numbers for. The rotation is that of a normalised orientation,
+// so N is 1; the coefficients are wrong by 6 r A at most, the distances by 2 r D, and a height by
+// 14 r A D, where D is the largest distance of all. A height beyond 64 r A D has the right sign for
+// each place in each image, and more than 36 r A D is left of it, which suffices as above.
+Glance glance_at_run(const LensPlanes& lens, const RunBounds<12>::Bounds& cameras,
+                     const RunBounds<3>::Bounds& places) {
+  constexpr float kMinSize = 1e-9F;
+  constexpr float kMaxSize = 1e15F;
+  float size = 0;
+  for (size_t i = 0; i < 12; ++i) size += std::abs(cameras.low[i]) + std::abs(cameras.high[i]);
+  for (size_t i = 0; i < 3; ++i) size += std::abs(places.low[i]) + std::abs(places.high[i]);
+  if (!(size < kMaxSize)) return Glance::kUnsure;
+  const Sides zero{};
+  const std::array<Sides, 3> of_lens{lens.x, lens.y, lens.z};
+  Sides low{};
+  Sides high{};
+  float distance = 0;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    Sides least{};
+    Sides greatest{};
+    for (size_t i = 0; i < 3; ++i) {
+      const Sides positive = of_lens[i] > zero ? of_lens[i] : zero;
+      const Sides negative = of_lens[i] > zero ? zero : of_lens[i];
+      const float from = cameras.low[3 * axis + i];
+      const float to = cameras.high[3 * axis + i];
+      least += positive * from + negative * to;
+      greatest += positive * to + negative * from;
+    }
+    const float from = places.low[axis] - cameras.high[9 + axis];
+    const float to = places.high[axis] - cameras.low[9 + axis];
+    const std::array<Sides, 4> products{least * from, least * to, greatest * from, greatest * to};
+    Sides smallest = products[0];
+    Sides largest = products[0];
+    for (const Sides& product : products) {
+      smallest = product < smallest ? product : smallest;
+      largest = product > largest ? product : largest;
+    }
+    low += smallest;
+    high += largest;
+    distance += std::max(std::abs(from), std::abs(to));
+  }
+  const float margin = 2 * lens.margin * distance;
+  if (!(distance > kMinSize)) return Glance::kUnsure;
+  if (holds_for_all(low > margin)) return Glance::kInside;
+  return holds_for_all(high >= -margin) ? Glance::kUnsure : Glance::kOutside;
+}
+
 }  // namespace engram::ltm

@@ -39,6 +39,11 @@ struct ViewPlanes {
 
 enum class Glance : uint8_t { kOutside, kInside, kUnsure };
 
+/// Whether all places of a run are in all images of a run, or in none of them. What it is sure of
+/// is what the exact computation says of each.
+[[nodiscard]] Glance glance_at_run(const LensPlanes& lens, const RunBounds<12>::Bounds& cameras,
+                                   const RunBounds<3>::Bounds& places);
+
 /// Whether every lane of a comparison holds.
 inline bool holds_for_all(decltype(Sides() > Sides()) comparison) {
   const auto halves = __builtin_bit_cast(std::array<int64_t, 2>, comparison);

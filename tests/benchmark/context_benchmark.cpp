@@ -69,6 +69,7 @@ class BenchmarkWorld final : public KnownContexts {
       }
     }
     link_to_images(cup, camera, *contexts_[named_thing("mug")]);
+    for (const auto& [id, context] : contexts_) context->find_runs();
   }
 
   Result<std::shared_ptr<const EntityContext>> of(const MemoryId& entity) override {
