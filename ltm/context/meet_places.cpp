@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "ltm/context/meeting.h"
 
@@ -33,6 +35,65 @@ std::vector<uint32_t> shared_frames(const EntityContext& one, const EntityContex
   return shared;
 }
 
+/// Which places are near a point: those of a run at once, if that can be told, or else of each
+/// half.
+class NearPoint {
+ public:
+  NearPoint(const EntityContext& context, const where::Near& near, uint32_t frame)
+      : places_(context.places),
+        point_(near.point),
+        frame_(frame),
+        limit_(near.metres * near.metres) {
+    const auto& runs = context.runs.found;
+    if (runs != nullptr && runs->is_of(context) && runs->place_frame == frame)
+      bounds_ = &runs->places;
+  }
+
+  void judge(size_t begin, size_t end, Met& met) const {
+    constexpr size_t kFew = 32;
+    if (bounds_ == nullptr || end - begin <= kFew) {
+      for (size_t i = begin; i < end; ++i)
+        if (squared_distance(&places_.position[3 * i], point_.data()) <= limit_ &&
+            places_.frame[i] == frame_)
+          met[places_.snapshot[i]] = 1;
+      return;
+    }
+    const auto [nearest, farthest] = distances(bounds_->of(begin, end));
+    if (nearest > limit_ * (1 + kRounding)) return;
+    if (farthest < limit_ * (1 - kRounding)) {
+      for (size_t i = begin; i < end; ++i) met[places_.snapshot[i]] = 1;
+      return;
+    }
+    const size_t half = begin + (end - begin) / 2;
+    judge(begin, half, met);
+    judge(half, end, met);
+  }
+
+ private:
+  static constexpr double kRounding = 1e-12;
+
+  /// The smallest and the largest squared distance from a box. Unit: m squared.
+  [[nodiscard]] std::pair<double, double> distances(const RunBounds<3>::Bounds& box) const {
+    double nearest = 0;
+    double farthest = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const double below = static_cast<double>(box.low[i]) - point_[i];
+      const double above = point_[i] - static_cast<double>(box.high[i]);
+      const double out = std::max({below, above, 0.0});
+      const double in = std::max(-below, -above);
+      nearest += out * out;
+      farthest += in * in;
+    }
+    return {nearest, farthest};
+  }
+
+  const EntityContext::Places& places_;
+  const std::array<double, 3> point_;
+  const uint32_t frame_;
+  const double limit_;
+  const RunBounds<3>* bounds_ = nullptr;  ///< Null if they tell nothing of use.
+};
+
 }  // namespace
 
 std::string frames_of(const EntityContext& context) {
@@ -64,11 +125,7 @@ Result<Met> meet_near(const Asked& asked, const where::Near& near) {
     if (asked.is_named) return no_place(asked.id, asked.context, near.frame);
     return met;
   }
-  const double limit = near.metres * near.metres;
-  const double* position = places.position.data();
-  for (size_t i = 0; i < places.size(); ++i, position += 3)
-    if (squared_distance(position, near.point.data()) <= limit && places.frame[i] == frame)
-      met[places.snapshot[i]] = 1;
+  NearPoint(asked.context, near, frame).judge(0, places.size(), met);
   return met;
 }
 

@@ -252,6 +252,30 @@ TEST(ContextRuns, AnswerWhatEachSnapshotAloneAnswers) {
   EXPECT_GT(others, 50'000U);
 }
 
+TEST(ContextRuns, TellWhatIsNear) {
+  RunDraws draws(2);
+  size_t met = 0;
+  for (uint32_t seed = 0; seed < 30; ++seed) {
+    RunWorld with(seed, true);
+    RunWorld without(seed, false);
+    const MemoryId free = RunWorld::id("free");
+    for (int round = 0; round < 20; ++round) {
+      where::Near near;
+      near.point = {draws.any(-2, 2), draws.any(-2, 2), draws.any(-2, 2)};
+      near.frame = "world";
+      near.metres = std::pow(10, draws.any(-2, 1));
+      const Condition condition{near};
+      const auto told = moments_meeting(free, {&condition, 1}, true, with);
+      const auto needed = moments_meeting(free, {&condition, 1}, true, without);
+      ASSERT_OK(told);
+      ASSERT_OK(needed);
+      ASSERT_EQ(*told, *needed) << "seed " << seed << ", " << to_string(condition);
+      met += needed->size();
+    }
+  }
+  EXPECT_GT(met, 100'000U);
+}
+
 TEST(ContextRuns, AreOfTheRowsThatTheyWereMadeOf) {
   RunWorld world(1, true);
   EntityContext context = **world.of(RunWorld::id("free"));
