@@ -97,6 +97,14 @@ class ReadMemory final : public Memory {
     return likeness_.similar(request);
   }
 
+  Result<ltm::MomentMap> map(const ltm::MemoryId& entity, size_t max_moments) override {
+    {
+      const MutexLock lock(mutex_);
+      if (!recall_) return is_closed();
+    }
+    return likeness_.map(entity, max_moments);
+  }
+
   using Memory::why_salient;
   Result<ltm::SalientMoment> why_salient(const ltm::MemoryId& entity,
                                          std::optional<Time> time) override {
@@ -198,6 +206,11 @@ class LiveMemory final : public Memory {
   Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
     ENGRAM_RETURN_IF_ERROR(check_open());
     return service_->similar(request);
+  }
+
+  Result<ltm::MomentMap> map(const ltm::MemoryId& entity, size_t max_moments) override {
+    ENGRAM_RETURN_IF_ERROR(check_open());
+    return service_->map(entity, max_moments);
   }
 
   using Memory::why_salient;

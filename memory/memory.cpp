@@ -14,6 +14,12 @@ Status Memory::query_parts(const ltm::Query& query, const PartVisit& visit,
   return visit(std::move(whole));
 }
 
+Result<ltm::MomentMap> Memory::map(const ltm::MemoryId& entity, size_t /*max_moments*/) {
+  return failed_precondition(
+      "entity '{}': servers make no maps; open the store of this memory instead",
+      entity.to_string());
+}
+
 Result<ltm::SalientMoment> Memory::why_salient(const ltm::MemoryId& entity,
                                                std::optional<Time> /*time*/) {
   return failed_precondition(

@@ -12,6 +12,7 @@
 
 #include "ltm/core/time.h"
 #include "ltm/idf/type.h"
+#include "ltm/likeness/moment_map.h"
 #include "ltm/likeness/similar_moments.h"
 #include "ltm/memory/commit.h"
 #include "ltm/memory/query.h"
@@ -194,6 +195,12 @@ class Memory {
   /// other entities are asked of a server; kUnavailable also if it took longer than the timeout:
   /// what was coded until then is kept, so asking again goes on.
   virtual Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) = 0;
+
+  /// At most `max_moments` moments of an entity in two dimensions, evenly spread: those that are
+  /// like each other are near.
+  /// Errors: those of ltm::LikenessSearch::map; kFailedPrecondition if this memory is in a server,
+  /// which does not answer this.
+  virtual Result<ltm::MomentMap> map(const ltm::MemoryId& entity, size_t max_moments);
 
   /// Explains what the snapshot of an entity at `time` is worth; without a time, its last one. What
   /// is in the store is explained, journals included.

@@ -38,6 +38,11 @@ struct CodedMoments {
 
   [[nodiscard]] size_t size() const { return times.size(); }
 
+  /// What people see of the space: "images 8c21fe03", "numbers".
+  [[nodiscard]] std::string space_name() const {
+    return coded_by == CodedBy::kNumbers ? "numbers" : "images " + space.name();
+  }
+
   /// The last moment at or before a time; nothing if all are later.
   [[nodiscard]] std::optional<size_t> at_or_before(Time time) const;
 

@@ -59,10 +59,6 @@ void add_part(const CodedMoments& coded, const CodedMoments& part, size_t moment
   }
 }
 
-std::string name_of_space(const CodedMoments& coded) {
-  return coded.coded_by == CodedBy::kNumbers ? "numbers" : "images " + coded.space.name();
-}
-
 }  // namespace
 
 Status SimilarRequest::validate() const {
@@ -120,19 +116,14 @@ class LikenessSearch::Question {
     const Sight sight = sight_of(view_, entity);
     const Status unseen = not_found("'{}': there is no such entity", entity.to_string());
     if (sight.times.empty()) return unseen;
-    auto coder = search_.coders_.find(entity);
-    if (coder == search_.coders_.end()) {
-      if (search_.coders_.size() >= kMaxKeptEntities) search_.coders_.clear();
-      coder = search_.coders_.try_emplace(entity, entity).first;
-    }
-    auto coded = coder->second.code(past_, progress_, stop_);
-    if (coded.status().code() == StatusCode::kNotFound) search_.coders_.erase(coder);
+    auto coded = search_.coder_of(entity).code(past_, progress_, stop_);
+    if (coded.status().code() == StatusCode::kNotFound) search_.coders_.erase(entity);
     // The message names the entities that there are.
     if (coded.status().code() == StatusCode::kNotFound && view_ != nullptr) return unseen;
     ENGRAM_RETURN_IF_ERROR(coded.status());
     // Of moments that are not seen nothing is told, not even that they had to be decoded.
     if (sight.is_whole()) answer_.computed += coded->computed;
-    answer_.space += (answer_.space.empty() ? "" : " + ") + name_of_space(*coded->moments);
+    answer_.space += (answer_.space.empty() ? "" : " + ") + coded->moments->space_name();
     const bool is_image = coded->moments->coded_by == CodedBy::kImages;
     const TimeWindows& seen = is_image ? sight.exact : sight.times;
     if (seen.is_all()) return coded->moments;
@@ -221,6 +212,25 @@ class LikenessSearch::Question {
   SimilarAnswer answer_;
   std::optional<size_t> asked_;
 };
+
+MomentCoder& LikenessSearch::coder_of(const MemoryId& entity) {
+  const auto known = coders_.find(entity);
+  if (known != coders_.end()) return known->second;
+  if (coders_.size() >= kMaxKeptEntities) coders_.clear();
+  return coders_.try_emplace(entity, entity).first->second;
+}
+
+Result<MomentMap> LikenessSearch::map(const MemoryId& entity, size_t max_moments,
+                                      const std::stop_token& stop) {
+  if (max_moments == 0) return invalid_argument("a map needs at least 1 moment");
+  ComparedPast past(past_, memory_);
+  past.held(entity);
+  ENGRAM_RETURN_IF_ERROR(past.follow());
+  auto coded = coder_of(entity).code(past, {}, stop);
+  if (coded.status().code() == StatusCode::kNotFound) coders_.erase(entity);
+  ENGRAM_RETURN_IF_ERROR(coded.status());
+  return map_of(*coded->moments, max_moments);
+}
 
 Result<SimilarAnswer> LikenessSearch::find(const SimilarRequest& request,
                                            const ProgressSink& progress,

@@ -7,6 +7,7 @@
 
 #include "ltm/core/progress.h"
 #include "ltm/likeness/moment_coder.h"
+#include "ltm/likeness/moment_map.h"
 #include "ltm/likeness/similar_moments.h"
 #include "ltm/memory/sight.h"
 
@@ -37,11 +38,19 @@ class LikenessSearch {
   Result<SimilarAnswer> find(const SimilarRequest& request, const ProgressSink& progress = {},
                              const std::stop_token& stop = {}, const View* view = nullptr);
 
+  /// At most `max_moments` moments of an entity in two dimensions.
+  /// Errors: kInvalidArgument if `max_moments` is 0; those of find() about entities.
+  /// Complexity: linear in the number of moments.
+  Result<MomentMap> map(const MemoryId& entity, size_t max_moments,
+                        const std::stop_token& stop = {});
+
   /// Drops what is kept for the next questions.
   void forget_codes() { coders_.clear(); }
 
  private:
   class Question;
+
+  MomentCoder& coder_of(const MemoryId& entity);
 
   StorePast& past_;
   const WorkingMemory* const memory_;

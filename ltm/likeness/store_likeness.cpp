@@ -3,8 +3,9 @@
 
 namespace engram::ltm {
 
-Result<SimilarAnswer> StoreLikeness::similar(const SimilarRequest& request, const View* view,
-                                             const std::stop_token& stop) {
+template <typename Ask>
+auto StoreLikeness::ask(const MemoryId& about, const std::stop_token& stop, const Ask& question)
+    -> decltype(question(std::declval<LikenessSearch&>(), stop)) {
   while (true) {
     const std::stop_token forgotten = [this] {
       const MutexLock lock(stopping_);
@@ -14,25 +15,41 @@ Result<SimilarAnswer> StoreLikeness::similar(const SimilarRequest& request, cons
     const auto request_stop = [&stops] { stops.request_stop(); };
     const std::stop_callback by_caller(stop, request_stop);
     const std::stop_callback by_forgetting(forgotten, request_stop);
-    auto answer = ask(request, view, stops.get_token());
+    auto answer = ask_once(about, stops.get_token(), question);
     const bool is_cancelled = answer.status().code() == StatusCode::kCancelled;
     if (!is_cancelled || stop.stop_requested() || !forgotten.stop_requested()) return answer;
   }
 }
 
-Result<SimilarAnswer> StoreLikeness::ask(const SimilarRequest& request, const View* view,
-                                         const std::stop_token& stop) {
+template <typename Ask>
+auto StoreLikeness::ask_once(const MemoryId& about, const std::stop_token& stop,
+                             const Ask& question)
+    -> decltype(question(std::declval<LikenessSearch&>(), stop)) {
   const MutexLock lock(mutex_);
-  if (stop.stop_requested()) return cancelled("'{}': comparing it", request.entity.to_string());
+  if (stop.stop_requested()) return cancelled("'{}': comparing it", about.to_string());
   if (past_ == nullptr) {
     ENGRAM_ASSIGN_OR_RETURN(past_, StorePast::open(path_, loader_, {.follows_changes = true}));
     search_ = std::make_unique<LikenessSearch>(*past_, memory_);
   }
-  auto answer = search_->find(request, {}, stop, view);
+  auto answer = question(*search_, stop);
   if (answer.ok() || answer.status().code() != StatusCode::kUnavailable) return answer;
   // A consolidation or a sealing replaced a segment while it was read.
   ENGRAM_RETURN_IF_ERROR(past_->renew());
-  return search_->find(request, {}, stop, view);
+  return question(*search_, stop);
+}
+
+Result<SimilarAnswer> StoreLikeness::similar(const SimilarRequest& request, const View* view,
+                                             const std::stop_token& stop) {
+  return ask(request.entity, stop, [&](LikenessSearch& search, const std::stop_token& stopped) {
+    return search.find(request, {}, stopped, view);
+  });
+}
+
+Result<MomentMap> StoreLikeness::map(const MemoryId& entity, size_t max_moments,
+                                     const std::stop_token& stop) {
+  return ask(entity, stop, [&](LikenessSearch& search, const std::stop_token& stopped) {
+    return search.map(entity, max_moments, stopped);
+  });
 }
 
 void StoreLikeness::forget_codes() {

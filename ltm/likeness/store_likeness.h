@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <stop_token>
+#include <utility>
 
 #include "ltm/core/mutex.h"
 #include "ltm/likeness/similar.h"
@@ -26,13 +27,25 @@ class StoreLikeness {
   Result<SimilarAnswer> similar(const SimilarRequest& request, const View* view = nullptr,
                                 const std::stop_token& stop = {});
 
+  /// At most `max_moments` moments of an entity in two dimensions.
+  /// Errors: those of LikenessSearch::map and StoreReader::open.
+  Result<MomentMap> map(const MemoryId& entity, size_t max_moments,
+                        const std::stop_token& stop = {});
+
   /// Drops all that is kept for the next questions: some of it was forgotten. The question that is
   /// being answered begins anew.
   void forget_codes() ENGRAM_EXCLUDES(mutex_, stopping_);
 
  private:
-  Result<SimilarAnswer> ask(const SimilarRequest& request, const View* view,
-                            const std::stop_token& stop) ENGRAM_EXCLUDES(mutex_);
+  /// Asks the search with a token that is stopped by the caller, and where some was forgotten
+  /// meanwhile; then it asks anew. `about` is what errors name.
+  template <typename Ask>
+  auto ask(const MemoryId& about, const std::stop_token& stop, const Ask& question)
+      -> decltype(question(std::declval<LikenessSearch&>(), stop))
+          ENGRAM_EXCLUDES(mutex_, stopping_);
+  template <typename Ask>
+  auto ask_once(const MemoryId& about, const std::stop_token& stop, const Ask& question)
+      -> decltype(question(std::declval<LikenessSearch&>(), stop)) ENGRAM_EXCLUDES(mutex_);
 
   const std::filesystem::path path_;
   const ModelLoader loader_;

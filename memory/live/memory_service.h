@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/likeness/moment_map.h"
 #include "ltm/likeness/similar_moments.h"
 #include "ltm/recall/joined_past.h"
 #include "ltm/recall/recall.h"
@@ -141,6 +142,11 @@ class MemoryService {
   /// Errors: those of ltm::StoreLikeness::similar; kFailedPrecondition without a store.
   Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request, ltm::SharedView view = {},
                                      const std::stop_token& stop = {});
+
+  /// At most `max_moments` moments of an entity in two dimensions, of all that there are: no view
+  /// hides any.
+  /// Errors: those of ltm::StoreLikeness::map; kFailedPrecondition without a store.
+  Result<ltm::MomentMap> map(const ltm::MemoryId& entity, size_t max_moments);
 
   /// Whether images of a memory may be redacted. What others may read as it comes, such as shared
   /// memory, must not be used for it.

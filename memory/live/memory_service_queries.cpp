@@ -159,4 +159,14 @@ Result<ltm::SimilarAnswer> MemoryService::similar(const ltm::SimilarRequest& req
   return state_->likeness->similar(request, view.get(), stop);
 }
 
+Result<ltm::MomentMap> MemoryService::map(const ltm::MemoryId& entity, size_t max_moments) {
+  ENGRAM_RETURN_IF_ERROR(owns(entity));
+  if (!state_->likeness)
+    return failed_precondition("memory '{}': has no store, and a map is made of what one keeps",
+                               state_->options.name);
+  ++state_->queries;
+  ++state_->queries_of_store;
+  return state_->likeness->map(entity, max_moments);
+}
+
 }  // namespace engram::memory

@@ -230,6 +230,27 @@ TEST_P(FrontDoor, AnswersByPlaceAndContext) {
                StatusCode::kFailedPrecondition, "no place in frame 'map'");
 }
 
+TEST_P(FrontDoor, MapsMomentsWhereItHasTheStore) {
+  for (int64_t step = 0; step < 40; ++step)
+    ASSERT_OK(memory->commit(at(step, step % 20 < 10 ? 0.0 : 5.0)));
+  const auto map = memory->map(kCup, 100);
+  if (GetParam() != Door::kOpened) {
+    EXPECT_FAILS(map, StatusCode::kFailedPrecondition, "servers make no maps");
+    return;
+  }
+  ASSERT_OK(map);
+  EXPECT_EQ(map->known, 40u);
+  EXPECT_EQ(map->space, "numbers");
+  ASSERT_EQ(map->times.size(), 40u);
+  EXPECT_EQ(map->times.front(), at(0, 0).updates[0].time);
+  // The cup was at two places.
+  EXPECT_NEAR(map->x[5], map->x[25], 0.05);
+  EXPECT_GT(std::abs(map->x[5] - map->x[15]), 0.5F);
+  EXPECT_FAILS(memory->map(kCup, 0), StatusCode::kInvalidArgument, "at least 1 moment");
+  EXPECT_FAILS(memory->map(*ltm::MemoryId::parse("Nothing/At/All/There"), 9), StatusCode::kNotFound,
+               "Nothing");
+}
+
 TEST_P(FrontDoor, ExplainsWhatASnapshotIsWorthWhereItHasTheStore) {
   for (int64_t step = 0; step < 30; ++step)
     ASSERT_OK(memory->commit(at(step, step < 20 ? 0.0 : 5.0)));
