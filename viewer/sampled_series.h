@@ -35,9 +35,8 @@ struct SeriesAnswer {
 /// Draws numbers from as many snapshots as can be read in time, evenly spread: first 64, then those
 /// between them, and so on, so that a short budget gives a coarse picture of the whole span.
 ///
-/// Pyramids of sealed segments will take the place of reading; what they do not have yet will still
-/// be sampled here.
-/// Errors: kNotFound, kDataLoss.
+/// What was read of a store is kept for the next requests, until the store changes: numbers are
+/// drawn from memory once all were read. Errors: kNotFound, kDataLoss.
 Result<SeriesAnswer> sample_series(ViewedMemory& viewed, const SeriesRequest& request);
 
 /// The order in which `count` things are read: each once, coarse first, ascending within a pass.

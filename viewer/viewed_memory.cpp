@@ -56,6 +56,7 @@ Result<ViewedMemory::Lent> ViewedMemory::open_reader() {
     ++state_;
     times_.clear();
     times_bytes_ = 0;
+    numbers_.clear();
     idle_.clear();
   }
   lent.state = state_;
@@ -111,6 +112,18 @@ Result<ViewedMemory::SharedTimes> ViewedMemory::times(const StoreView& view,
   }
   if (times_.emplace(entity, shared).second) times_bytes_ += shared->size_bytes();
   return SharedTimes(shared);
+}
+
+Result<std::shared_ptr<KeptNumbers>> ViewedMemory::numbers(const StoreView& view,
+                                                           const ltm::MemoryId& entity) {
+  ENGRAM_ASSIGN_OR_RETURN(SharedTimes times, this->times(view, entity));
+  auto fresh = std::make_shared<KeptNumbers>(std::move(times));
+  const MutexLock lock(mutex_);
+  if (view.state != state_) return fresh;
+  size_t bytes = 0;
+  for (const auto& [id, kept] : numbers_) bytes += kept->held_bytes();
+  if (bytes > options_.max_numbers_bytes) numbers_.clear();
+  return numbers_.try_emplace(entity, std::move(fresh)).first->second;
 }
 
 std::optional<idf::Type> ViewedMemory::type_of(const ltm::MemoryId& entity) {

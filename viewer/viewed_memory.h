@@ -14,6 +14,7 @@
 #include "ltm/store/store_mark.h"
 #include "ltm/store/store_reader.h"
 #include "memory/memory.h"
+#include "viewer/kept_numbers.h"
 
 namespace engram::viewer {
 
@@ -40,6 +41,8 @@ class ViewedMemory {
     Duration max_age = std::chrono::milliseconds(200);
     /// Max bytes of times that are kept for the next requests.
     size_t max_times_bytes = size_t{256} << 20;
+    /// Max bytes of numbers that are kept, likewise.
+    size_t max_numbers_bytes = size_t{256} << 20;
   };
 
   /// Errors: those of `options.open` and StoreReader::open.
@@ -70,6 +73,10 @@ class ViewedMemory {
   /// Errors: those of StoreReader::times.
   using SharedTimes = std::shared_ptr<const ltm::EntityTimes>;
   Result<SharedTimes> times(const StoreView& view, const ltm::MemoryId& entity);
+
+  /// What is kept of the numbers of an entity in `view`, until the store changes.
+  /// Errors: those of StoreReader::times.
+  Result<std::shared_ptr<KeptNumbers>> numbers(const StoreView& view, const ltm::MemoryId& entity);
 
   /// The type of an entity's values; nothing if none is known.
   std::optional<idf::Type> type_of(const ltm::MemoryId& entity);
@@ -103,6 +110,8 @@ class ViewedMemory {
   uint64_t state_ ENGRAM_GUARDED_BY(mutex_) = 0;                          ///< Its number.
   std::map<ltm::MemoryId, SharedTimes> times_ ENGRAM_GUARDED_BY(mutex_);  ///< Of the newest state.
   size_t times_bytes_ ENGRAM_GUARDED_BY(mutex_) = 0;
+  std::map<ltm::MemoryId, std::shared_ptr<KeptNumbers>> numbers_
+      ENGRAM_GUARDED_BY(mutex_);  ///< Of the newest state.
 };
 
 }  // namespace engram::viewer

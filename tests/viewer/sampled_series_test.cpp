@@ -100,6 +100,51 @@ TEST_F(SampledSeriesTest, SeesWhatCameMeanwhile) {
   EXPECT_THAT(answer->series[0].min, ElementsAre(-7));
 }
 
+TEST_F(SampledSeriesTest, ReadsEachNumberOnce) {
+  const auto column = [this](const char* path) {
+    std::shared_ptr<NumberColumn> found;
+    EXPECT_OK(viewed_->with_store([&](const StoreView& view) -> Status {
+      ENGRAM_ASSIGN_OR_RETURN(const auto kept, viewed_->numbers(view, arm_));
+      found = kept->column(0, path);
+      return {};
+    }));
+    return found;
+  };
+  const auto first = sample_series(*viewed_, request_of({"x"}, 40, 7));
+  ASSERT_OK(first);
+  EXPECT_TRUE(column("x")->was_read(39));
+  EXPECT_FALSE(column("x")->was_read(40));
+  EXPECT_FALSE(column("nan")->was_read(5));
+  ASSERT_OK(sample_series(*viewed_, request_of({"nan", "x"}, 200, 7)));
+  EXPECT_TRUE(column("x")->is_whole());
+  EXPECT_TRUE(column("nan")->is_whole());
+  // Nothing is left to read, so even no time suffices.
+  SeriesRequest request = request_of({"x"}, 40, 7);
+  request.budget = Duration::zero();
+  const auto again = sample_series(*viewed_, request);
+  ASSERT_OK(again);
+  EXPECT_EQ(again->read, 40u);
+  EXPECT_EQ(again->series[0].min, first->series[0].min);
+  EXPECT_EQ(again->series[0].max, first->series[0].max);
+  EXPECT_EQ(again->series[0].last, first->series[0].last);
+}
+
+TEST(NumberColumn, TellsWhatWasReadFromWhatIsNoNumber) {
+  NumberColumn column(3);
+  EXPECT_TRUE(std::isnan(column.at(0)));
+  EXPECT_FALSE(column.was_read(0));
+  for (int round = 0; round < 2; ++round) {
+    column.put(0, std::nanf("1"));
+    column.put(1, std::bit_cast<float>(0x7FC0'0001U));
+    EXPECT_TRUE(column.was_read(0));
+    EXPECT_TRUE(column.was_read(1));
+    EXPECT_FALSE(column.is_whole());
+  }
+  column.put(2, 4);
+  EXPECT_EQ(column.at(2), 4);
+  EXPECT_TRUE(column.is_whole());
+}
+
 TEST_F(SampledSeriesTest, OfNoEntityIsAnError) {
   SeriesRequest request = request_of({"x"}, 10, 1);
   request.entity = *ltm::MemoryId::parse("Robot/Joints/arm/right");
