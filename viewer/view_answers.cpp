@@ -18,7 +18,7 @@ struct Question {
   AnswerFunction answer;
 };
 
-constexpr std::array<Question, 13> kQuestions{{
+constexpr std::array<Question, 15> kQuestions{{
     {"/api/info", answer_info},
     {"/api/tree", answer_tree},
     {"/api/find", answer_find},
@@ -32,6 +32,8 @@ constexpr std::array<Question, 13> kQuestions{{
     {"/api/query", answer_query},
     {"/api/similar", answer_similar},
     {"/api/links", answer_links},
+    {"/api/map", answer_map},
+    {"/api/quality", answer_quality},
 }};
 
 }  // namespace

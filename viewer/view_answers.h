@@ -35,6 +35,8 @@ ViewAnswer answer_predict(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_query(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_similar(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_links(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_map(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_quality(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_image(ViewedMemory& viewed, const HttpRequest& request,
                         const RequestTarget& target);
 

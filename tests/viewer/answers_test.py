@@ -299,6 +299,26 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual([(one["id"], one["distance"]) for one in told["found"]],
                          [(one["id"], one["distance"]) for one in found["moments"]])
 
+    def test_a_map_has_moments_of_the_whole_time(self) -> None:
+        for entity, coded_by in ((JOINTS, "numbers"), (STEREO, "images")):
+            told = self.viewed.json("/api/map", entity=entity, max=50)
+            count = min(50, told["known"])
+            self.assertEqual(told["coded_by"], coded_by)
+            self.assertEqual([len(told[name]) for name in ("times", "x", "y", "recordings")],
+                             [count] * 4)
+            self.assertGreater(told["known"], 0.9 * self.entities[entity]["snapshots"])
+            self.assertEqual(sorted(told["times"], key=int), told["times"])
+            self.assertTrue(0.1 < told["explained"] <= 1.0001, told["explained"])
+            self.assertGreater(np.std(told["x"]), np.std(told["y"]))
+        self.assertEqual(self.viewed.error("/api/map", entity=JOINTS, max=0),
+                         (400, "invalid argument"))
+        self.assertEqual(self.viewed.error("/api/map", entity="A/B/C/D"), (404, "not found"))
+
+    def test_quality_needs_both_forms(self) -> None:
+        told = self.viewed.json("/api/quality", entity=STEREO)
+        self.assertEqual((told["compared"], told["counts"], told["worst"]), (0, [], []))
+        self.assertEqual(self.viewed.error("/api/quality", entity="A/B/C/D"), (404, "not found"))
+
     def test_links_lead_there_and_back(self) -> None:
         moment = self.viewed.json("/api/moment", entity=STEREO, at=self.entities[STEREO]["last_ns"])
         told = self.viewed.json("/api/links", id=moment["id"])

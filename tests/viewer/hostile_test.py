@@ -334,6 +334,17 @@ class ChangingStoreTest(unittest.TestCase):
             if form == "error":
                 self.assertGreater(float(headers["x-engram-psnr"]), 20)
                 self.assertGreaterEqual(float(headers["x-engram-gain"]), 1)
+        quality = self.viewed.json("/api/quality", entity=STEREO, sample=8, budget=60000)
+        self.assertEqual((quality["compared"], quality["unknown"]), (quality["asked"], 0))
+        self.assertEqual(sum(quality["counts"]), quality["compared"])
+        self.assertGreater(quality["compared"], 4)
+        worst = [one["psnr"] for one in quality["worst"]]
+        self.assertEqual(worst, sorted(worst))
+        self.assertTrue(quality["low"] <= worst[0] < quality["low"] + quality["step"])
+        # It is the figure that is told with the image itself.
+        _, headers, _ = self.viewed.get("/api/image", id=quality["worst"][0]["id"], path="image",
+                                        form="error")
+        self.assertAlmostEqual(float(headers["x-engram-psnr"]), worst[0], delta=1.5)
 
     def test_what_is_forgotten_is_gone(self) -> None:
         self.assertEqual(set(self.look()), {200})
