@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from engram.replaying import Replaying, ReplayState, replay
     from engram.saliency import Salient, SalientPart
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
+    from engram.viewing import View
     from engram.watching import Event, Watch
 
 _PLACES = {
@@ -64,6 +65,7 @@ _PLACES = {
     "SimilarMoment": "engram.likeness",
     "Snapshot": "engram.snapshot",
     "Update": "engram.recording",
+    "View": "engram.viewing",
     "Watch": "engram.watching",
     "check": "engram.jobs",
     "connect": "engram.memory",
@@ -98,6 +100,7 @@ __all__ = [
     "SimilarMoment",
     "Snapshot",
     "Update",
+    "View",
     "Watch",
     "check",
     "connect",

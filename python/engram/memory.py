@@ -20,6 +20,7 @@ from engram.recording import Update, dict_of
 from engram.replaying import Replaying
 from engram.snapshot import Snapshot, snapshot_of
 from engram.times import DurationLike, TimeLike, duration_ns
+from engram.viewing import View, view
 from engram.watching import Watch
 
 __all__ = ["Entity", "Memory", "connect", "open"]
@@ -152,6 +153,24 @@ class Memory(Closing):
     def replaying(self) -> Replaying:
         """Controls the replay that this memory is: of engram.replay, or of `engram replay`."""
         return Replaying(self)
+
+    def view(
+        self,
+        *,
+        notebook: str = "http://localhost:8888",
+        height: int = 640,
+        program: str | None = None,
+        options: Sequence[str] = (),
+    ) -> View:
+        """Opens the viewer (docs/viewer.md): a notebook shows it in a frame, a browser at its `url`.
+
+        `notebook`: the origin that the notebook is served from, which alone may show it in a frame.
+        `height`: of the frame, in pixels. `program`: where `engram` is, if it is neither on the PATH
+        nor where the package was built. `options`: more of `engram view`, such as `["--noted"]`.
+
+        Raises NotFoundError without the program, FailedPreconditionError with what it says.
+        """
+        return view(self, notebook, height, program, options)
 
     def models(self) -> list[Model]:
         """All models, older ones first. Of a server FailedPreconditionError: its files have them."""
