@@ -26,7 +26,7 @@ Looking::Looking(const MemoryId& camera, const EntityContext& camera_context, co
   if (const auto found = std::ranges::find(thing_.targets, camera_id_);
       found != thing_.targets.end())
     target_ = static_cast<uint32_t>(found - thing_.targets.begin());
-  if (target_ != kNoRow)
+  if (target_ != kNoRow && sighting_ != Sighting::kAny)
     for (size_t i = 0; i < thing_.links.size(); ++i)
       if (is_of_image(i)) seen_at_.push_back(time_from_ns(thing_.links.time[i]));
   if (!std::ranges::is_sorted(seen_at_)) std::ranges::sort(seen_at_);
@@ -166,11 +166,14 @@ bool Looking::was_linked_near(Time image) {
 
 uint32_t Looking::camera_of(uint32_t thing) {
   const RowCursor::Rows links = link_rows_.of(thing);
-  for (size_t i = links.begin; i < links.end; ++i)
-    if (is_of_image(i))
-      if (const uint32_t found = camera_times_.at(time_from_ns(thing_.links.time[i]));
-          found != kNoRow)
-        return found;
+  for (size_t i = links.begin; i < links.end; ++i) {
+    if (!is_of_image(i)) continue;
+    // Many things are found in one image.
+    const Time image = time_from_ns(thing_.links.time[i]);
+    if (last_linked_ != kNoRow && camera_.times[last_linked_] == image) return last_linked_;
+    if (const uint32_t found = camera_times_.at(image); found != kNoRow)
+      return last_linked_ = found;
+  }
   return camera_times_.last_until(thing_.times[thing]);
 }
 

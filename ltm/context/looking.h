@@ -76,7 +76,7 @@ class Looking {
     uint32_t first = 0, last = 0;
     uint32_t begin = 0, end = 0;
   };
-  static constexpr uint32_t kFewImages = 4;  ///< That are not told at once.
+  static constexpr uint32_t kSmallScope = 32;  ///< Images.
 
   /// Finds what is in view in all images, of which no links tell the things.
   Status judge_images(Met& met);
@@ -94,6 +94,9 @@ class Looking {
   void find_runs();
   /// Whether all images of a scope have all its places in view, or none has one of them.
   Result<Glance> glance_at_all(const Scope& scope);
+  /// Whether each image is looked at alone: there are few of them, or nothing was told of many
+  /// small scopes before. Places may be anywhere at any time; a scope now and then is still tried.
+  bool are_looked_at_alone(const Scope& scope);
   /// Whether a snapshot of the camera and one of the thing are what is asked for, but for what may
   /// be hidden.
   Result<bool> holds(uint32_t camera, uint32_t thing);
@@ -135,11 +138,14 @@ class Looking {
   KnownContexts& contexts_;
   const ContextRuns* camera_runs_ = nullptr;  ///< Null if they tell nothing of use.
   const ContextRuns* thing_runs_ = nullptr;
+  uint32_t unsure_ = 0;                 ///< Small scopes in a row that nothing was told of.
+  uint32_t skipped_ = 0;                ///< Those that were not looked at because of that.
   const Visibility* const visibility_;  ///< Of the thing; null if none of its snapshots tells.
   RowCursor camera_rows_, look_rows_, place_rows_, link_rows_;
-  uint32_t target_ = kNoRow;      ///< The camera among what the thing links to; kNoRow: not there.
-  std::vector<uint32_t> frames_;  ///< Of each frame of the camera the index among the thing's.
-  std::vector<Time> seen_at_;     ///< Times of the images that the thing links to, sorted.
+  uint32_t last_linked_ = kNoRow;  ///< The image that was linked to last.
+  uint32_t target_ = kNoRow;       ///< The camera among what the thing links to; kNoRow: not there.
+  std::vector<uint32_t> frames_;   ///< Of each frame of the camera the index among the thing's.
+  std::vector<Time> seen_at_;  ///< Times of the images that the thing links to, sorted; if asked.
   TimeCursor camera_times_, thing_times_, seen_times_;
   std::vector<int32_t> linked_;  ///< The instances that the thing links to; empty: it names none.
   uint32_t glancing_ = kNoRow;   ///< The snapshot that `glances_` are of.

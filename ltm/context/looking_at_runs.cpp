@@ -45,9 +45,23 @@ Result<Glance> Looking::glance_at_all(const Scope& scope) {
   if (lens == nullptr) return Glance::kUnsure;
   const size_t cameras = camera_runs_->cameras_each;
   const size_t places = thing_runs_->places_each;
-  return glance_at_run(lens->planes,
-                       camera_runs_->cameras.of(scope.first * cameras, scope.last * cameras),
-                       thing_runs_->places.of(scope.begin * places, scope.end * places));
+  const Glance all = glance_at_run(
+      lens->planes, camera_runs_->cameras.of(scope.first * cameras, scope.last * cameras),
+      thing_runs_->places.of(scope.begin * places, scope.end * places));
+  if (all != Glance::kUnsure)
+    unsure_ = 0;
+  else if (scope.last - scope.first <= kSmallScope)
+    ++unsure_;
+  return all;
+}
+
+bool Looking::are_looked_at_alone(const Scope& scope) {
+  constexpr uint32_t kFewImages = 4;
+  constexpr uint32_t kPatience = 16;
+  constexpr uint32_t kSkipped = 256;
+  const uint32_t images = scope.last - scope.first;
+  if (camera_runs_ == nullptr || images <= kFewImages) return true;
+  return images <= kSmallScope && unsure_ >= kPatience && ++skipped_ % kSkipped != 0;
 }
 
 Status Looking::judge_images(Met& met) {
@@ -59,8 +73,7 @@ Status Looking::judge_images(Met& met) {
 
 Status Looking::judge(const Scope& scope, Met& met) {
   if (scope.begin == scope.end) return {};
-  if (camera_runs_ == nullptr || scope.last - scope.first <= kFewImages)
-    return judge_each(scope, false, met);
+  if (are_looked_at_alone(scope)) return judge_each(scope, false, met);
   ENGRAM_ASSIGN_OR_RETURN(const Glance all, glance_at_all(scope));
   if (all == Glance::kOutside) return {};
   if (all == Glance::kInside) return judge_each(scope, true, met);
@@ -112,8 +125,8 @@ Status Looking::judge_cameras(Met& met) {
 // The places of an image are those of the last snapshot until then.
 Status Looking::judge_cameras(const Scope& scope, Met& met) {
   Glance all = Glance::kUnsure;
-  const bool are_few = camera_runs_ == nullptr || scope.last - scope.first <= kFewImages;
-  if (!are_few) {
+  const bool are_alone = are_looked_at_alone(scope);
+  if (!are_alone) {
     ENGRAM_ASSIGN_OR_RETURN(all, glance_at_all(scope));
   }
   if (all == Glance::kOutside) return {};
@@ -121,7 +134,7 @@ Status Looking::judge_cameras(const Scope& scope, Met& met) {
     std::fill(met.begin() + scope.first, met.begin() + scope.last, 1);
     return {};
   }
-  if (are_few || all == Glance::kInside) {
+  if (are_alone || all == Glance::kInside) {
     for (uint32_t image = scope.first; image < scope.last; ++image) {
       ENGRAM_ASSIGN_OR_RETURN(const bool is_met,
                               holds(image, thing_times_.last_until(camera_.times[image])));
@@ -137,7 +150,7 @@ Status Looking::judge_cameras(const Scope& scope, Met& met) {
 }
 
 Status Looking::judge_linked(Met& met) {
-  constexpr uint32_t kChunk = 32;
+  constexpr uint32_t kChunk = 64;
   constexpr uint32_t kMaxImages = 4 * kChunk;
   std::array<uint32_t, kChunk> images{};
   const auto count = static_cast<uint32_t>(met.size());
@@ -152,7 +165,7 @@ Status Looking::judge_linked(Met& met) {
       scope.last = std::max(scope.last, image + 1);
     }
     Glance all = Glance::kUnsure;
-    if (have_images && scope.last - scope.first <= kMaxImages) {
+    if (have_images && scope.last - scope.first <= kMaxImages && !are_looked_at_alone(scope)) {
       ENGRAM_ASSIGN_OR_RETURN(all, glance_at_all(scope));
     }
     if (all == Glance::kOutside) continue;

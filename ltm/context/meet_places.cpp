@@ -50,7 +50,7 @@ class NearPoint {
   }
 
   void judge(size_t begin, size_t end, Met& met) const {
-    constexpr size_t kFew = 32;
+    constexpr size_t kFew = 128;
     if (bounds_ == nullptr || end - begin <= kFew) {
       for (size_t i = begin; i < end; ++i)
         if (squared_distance(&places_.position[3 * i], point_.data()) <= limit_ &&
