@@ -45,4 +45,23 @@ py::dict similar_of(const ltm::SimilarAnswer& answer) {
   return found;
 }
 
+py::dict map_of(const ltm::MomentMap& map) {
+  py::array_t<int64_t> times(static_cast<py::ssize_t>(map.times.size()));
+  for (size_t i = 0; i < map.times.size(); ++i)
+    times.mutable_at(static_cast<py::ssize_t>(i)) = to_ns(map.times[i]);
+  const auto column = [](const auto& numbers) {
+    using Number = typename std::decay_t<decltype(numbers)>::value_type;
+    return py::array_t<Number>(static_cast<py::ssize_t>(numbers.size()), numbers.data());
+  };
+  py::dict found;
+  found["space"] = map.space;
+  found["known"] = map.known;
+  found["explained"] = map.explained;
+  found["times"] = std::move(times);
+  found["x"] = column(map.x);
+  found["y"] = column(map.y);
+  found["recordings"] = column(map.recordings);
+  return found;
+}
+
 }  // namespace engram::python

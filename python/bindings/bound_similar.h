@@ -11,6 +11,7 @@
 #include <optional>
 #include <string>
 
+#include "ltm/likeness/moment_map.h"
 #include "ltm/likeness/similar_moments.h"
 
 namespace engram::python {
@@ -37,9 +38,15 @@ struct SimilarArguments {
 /// "distance" and "recording" (first and last, ns). Needs the GIL.
 [[nodiscard]] pybind11::dict similar_of(const ltm::SimilarAnswer& answer);
 
-/// Binds similar() of a class, whose arguments are those of SimilarArguments in their order.
+/// A dict with "space", "known", "explained" and the columns "times" (ns), "x", "y" and
+/// "recordings". Needs the GIL.
+[[nodiscard]] pybind11::dict map_of(const ltm::MomentMap& map);
+
+/// Binds map() of a class, and similar(), whose arguments are those of SimilarArguments in their
+/// order.
 template <typename Bound>
 void bind_similar(pybind11::class_<Bound>& bound) {
+  bound.def("map", &Bound::map);
   bound.def("similar",
             [](Bound& memory, std::string entity, std::optional<int64_t> moment,
                std::optional<pybind11::array> image, std::string among, size_t count, int64_t apart,

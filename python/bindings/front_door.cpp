@@ -188,6 +188,13 @@ py::dict FrontDoor::similar(const SimilarArguments& asked) {
   return similar_of(with_memory([&](Memory& memory) { return memory.similar(request); }));
 }
 
+py::dict FrontDoor::map(const std::string& entity, size_t max_moments) {
+  return map_of(with_memory([&](Memory& memory) -> Result<ltm::MomentMap> {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, entity_of(entity));
+    return memory.map(id, max_moments);
+  }));
+}
+
 void FrontDoor::declare(const std::string& segment, const py::object& type) {
   const ltm::MemoryId id = value_or_raise(ltm::MemoryId::parse(segment));
   const idf::Type read = value_or_raise(idf::type_from_data(from_python(type)));

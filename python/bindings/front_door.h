@@ -72,6 +72,9 @@ class FrontDoor {
   /// The moments of an entity that are like another one.
   pybind11::dict similar(const SimilarArguments& asked);
 
+  /// At most `max_moments` moments of an entity in two dimensions; see map_of.
+  pybind11::dict map(const std::string& entity, size_t max_moments);
+
   /// Declares the type of a segment. `type` is the result of engram.idf.type_to_data.
   void declare(const std::string& segment, const pybind11::object& type);
 

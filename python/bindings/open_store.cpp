@@ -224,12 +224,24 @@ py::dict OpenStore::similar(const SimilarArguments& asked) {
   const ltm::SimilarRequest request = similar_request_of(asked);
   return similar_of(
       with_recall([&](ltm::Recall&) ENGRAM_REQUIRES(mutex_) -> Result<ltm::SimilarAnswer> {
-        if (likeness_ == nullptr) {
-          ENGRAM_ASSIGN_OR_RETURN(past_, ltm::StorePast::open(path_, encoders::load_model, {}));
-          likeness_ = std::make_unique<ltm::LikenessSearch>(*past_);
-        }
+        ENGRAM_RETURN_IF_ERROR(open_likeness());
         return likeness_->find(request);
       }));
+}
+
+py::dict OpenStore::map(const std::string& entity, size_t max_moments) {
+  const ltm::MemoryId id = value_or_raise(entity_of(entity));
+  return map_of(with_recall([&](ltm::Recall&) ENGRAM_REQUIRES(mutex_) -> Result<ltm::MomentMap> {
+    ENGRAM_RETURN_IF_ERROR(open_likeness());
+    return likeness_->map(id, max_moments);
+  }));
+}
+
+Status OpenStore::open_likeness() {
+  if (likeness_ != nullptr) return {};
+  ENGRAM_ASSIGN_OR_RETURN(past_, ltm::StorePast::open(path_, encoders::load_model, {}));
+  likeness_ = std::make_unique<ltm::LikenessSearch>(*past_);
+  return {};
 }
 
 py::dict OpenStore::why_salient(const std::string& entity, std::optional<int64_t> moment) {

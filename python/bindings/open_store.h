@@ -65,6 +65,9 @@ class OpenStore {
   /// The moments of an entity that are like another one.
   pybind11::dict similar(const SimilarArguments& asked);
 
+  /// At most `max_moments` moments of an entity in two dimensions; see map_of.
+  pybind11::dict map(const std::string& entity, size_t max_moments);
+
   /// Why the snapshot of an entity at `moment` (ns; None: its last one) is salient: a dict with
   /// "time", "saliency", "rank", "count", "is_stored", "learned_from" and "parts", dicts with
   /// "part", "value", "weight", "contribution", "found" and "expected".
@@ -91,6 +94,7 @@ class OpenStore {
  private:
   template <typename F>
   auto with_recall(F work);
+  Status open_likeness() ENGRAM_REQUIRES(mutex_);
 
   std::filesystem::path path_;
   /// The process that opened it: locks and threads of a store do not survive a fork.

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from engram.entity import Entity
     from engram.errors import EngramError
     from engram.jobs import check, consolidate, forget, reflect
-    from engram.likeness import Similar, SimilarMoment
+    from engram.likeness import MomentMap, Similar, SimilarMoment
     from engram.memory import Memory, connect, open  # noqa: A004
     from engram.model import Latents, Model, Prediction
     from engram.progress import Bar, Progress
@@ -54,6 +54,7 @@ _PLACES = {
     "MemberPrediction": "engram.snapshot",
     "Memory": "engram.memory",
     "Model": "engram.model",
+    "MomentMap": "engram.likeness",
     "Prediction": "engram.model",
     "Progress": "engram.progress",
     "Recorder": "engram.recording",
@@ -89,6 +90,7 @@ __all__ = [
     "MemberPrediction",
     "Memory",
     "Model",
+    "MomentMap",
     "Prediction",
     "Progress",
     "Recorder",

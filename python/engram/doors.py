@@ -34,6 +34,7 @@ class StoreDoor:
         self.times = self._store.times
         self.selected_times = self._store.selected_times
         self.similar = self._store.similar
+        self.map = self._store.map
         self.refresh = self._store.refresh
         self.close = self._store.close
 
@@ -77,6 +78,7 @@ class LiveDoor:
         self.query = front.query
         self.predict = front.predict
         self.similar = front.similar
+        self.map = front.map
         self.close = front.close
 
     def span(self, entity: str) -> tuple[int, int]:

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from engram.doors import Door
 from engram.errors import InvalidArgumentError, NotFoundError
 from engram.frame import frame_of
-from engram.likeness import Similar, similar_of
+from engram.likeness import MomentMap, Similar, similar_of
 from engram.saliency import Salient, salient_of
 from engram.model import Latents, Model, latents_of
 from engram.snapshot import Engine, Snapshot, engine_of, snapshot_of
@@ -169,6 +169,17 @@ class Entity:
             dict(beside or {}),
         )
         return similar_of(self.name, found)
+
+    def map(self, max_moments: int = 2000) -> MomentMap:
+        """Moments in two dimensions, evenly spread, those that are like each other near.
+
+        Draw it with `plt.scatter(map.x, map.y, c=map.times)`. Raises InvalidArgumentError unless
+        there may be a moment, FailedPreconditionError where there are neither images nor numbers,
+        and of a memory in a server. Source: docs/recall.md.
+        """
+        if max_moments < 1:
+            raise InvalidArgumentError(f"max_moments {max_moments}: needs at least 1")
+        return MomentMap(self.name, **self._door.map(self.name, max_moments))
 
     def why_salient(self, time: TimeLike | None = None) -> Salient:
         """What the snapshot at `time` (None: the last one) is worth, and why.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from engram.times import to_datetime64
 
@@ -44,6 +45,23 @@ class Similar:
 
     def __getitem__(self, index: int) -> SimilarMoment:
         return self.moments[index]
+
+
+@dataclass(frozen=True)
+class MomentMap:
+    """Moments of one entity in two dimensions: those that are like each other are near."""
+
+    entity: str
+    space: str  #: As that of Similar.
+    known: int  #: Moments that have codes; those of the map are evenly spread among them.
+    explained: float  #: The share of the variance of the codes that two dimensions have, 0 to 1.
+    times: npt.NDArray[np.int64]  #: [M] in ns, increasing.
+    x: npt.NDArray[np.float32]  #: [M]. Unit: the distance of two moments at random.
+    y: npt.NDArray[np.float32]  #: [M]
+    recordings: npt.NDArray[np.uint32]  #: [M], which recording each is of, from 0 on.
+
+    def __len__(self) -> int:
+        return len(self.times)
 
 
 def similar_of(entity: str, found: dict[str, Any]) -> Similar:

@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 import engram
+import engram.errors
 
 CAMERA = "Vision/RGB/head/cam"
 JOINTS = "RobotState/Proprioception/arm/joints"
@@ -41,6 +42,22 @@ class SimilarTest(unittest.TestCase):
     @classmethod
     def tearDownClass(cls) -> None:
         cls.folder.cleanup()
+
+    def test_a_map_has_both_rooms(self) -> None:
+        for door in (engram.open(self.path), engram.open(self.path, read_only=False)):
+            with door as memory:
+                made = memory[CAMERA].map(40)
+                self.assertEqual((len(made), made.known), (40, 2 * MOMENTS))
+                self.assertEqual(made.times.dtype, np.int64)
+                self.assertTrue((np.diff(made.times) > 0).all())
+                self.assertEqual(set(made.recordings), {0, 1})
+                rooms = [made.x[made.recordings == room] for room in (0, 1)]
+                apart = abs(rooms[0].mean() - rooms[1].mean())
+                self.assertGreater(apart, rooms[0].std() + rooms[1].std())
+                self.assertTrue(0.3 < made.explained <= 1.0001, made.explained)
+                self.assertEqual(memory[JOINTS].map().space, "numbers")
+                with self.assertRaises(engram.errors.InvalidArgumentError):
+                    memory[CAMERA].map(0)
 
     def test_finds_moments_like_one_or_like_an_image(self) -> None:
         with engram.open(self.path) as memory:
