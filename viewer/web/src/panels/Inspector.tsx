@@ -12,6 +12,7 @@ import { IconButton } from '../ui/Icon';
 import { LinkChip } from '../ui/LinkChip';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
 import { SourceTag } from '../ui/SourceTag';
+import { TracePart } from './trace/TracePart';
 import { describe } from './values';
 
 /** Everything about the chosen entity's snapshot below the cursor. */
@@ -42,6 +43,7 @@ export function Inspector(props: { panel: Panel }) {
           {(here) => <>
             <Facts moment={here()} />
             <Show when={ownLinks()}>{(found) => <Chips links={found()} />}</Show>
+            <Show when={here().source !== 'predicted'}><TracePart panel={props.panel} id={here().id} /></Show>
             <Index each={here().instances}>{(instance) => (
               <div class="tree" role="tree" aria-label={`Value of instance ${instance().index}`}>
                 <Show when={here().instances.length > 1}><p class="instance">Instance {instance().index}</p></Show>
