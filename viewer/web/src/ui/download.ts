@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
+import type { SvgPen } from './svg';
 
-/** Offers a canvas as a PNG file; nothing leaves the browser. */
-export async function download(canvas: HTMLCanvasElement, name: string): Promise<void> {
-  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
-  if (!blob) return;
+/** Offers a file; nothing leaves the browser. */
+function offer(blob: Blob, name: string): void {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
   link.download = name;
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
+
+/** Offers a canvas as a PNG file. */
+export async function download(canvas: HTMLCanvasElement, name: string): Promise<void> {
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
+  if (blob) offer(blob, name);
+}
+
+export const downloadSvg = (pen: SvgPen, name: string, scale = 1): void => offer(new Blob([pen.text(scale)], { type: 'image/svg+xml' }), name);
