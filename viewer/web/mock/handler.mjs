@@ -3,7 +3,7 @@
 // small server of the tests.
 import { kEntities, kFirst, kHorizonNs, kLast, kStart, formOf, isRecorded, lowerBound } from './world.mjs';
 import { membersOf, seriesValue } from './values.mjs';
-import { entityOf, linksOf, momentAt, predicted, Refusal, similarTo, snapshotAt, splitId } from './moments.mjs';
+import { entityOf, linksOf, mapOf, momentAt, predicted, Refusal, similarTo, snapshotAt, splitId } from './moments.mjs';
 import { depthOf, errorMap, psnr, reconstruct, scene } from './paint.mjs';
 import { png } from './png.mjs';
 import { tree } from './tree.mjs';
@@ -131,6 +131,10 @@ function similar(query) {
   return json({ found: similarTo(entity, time, Number(query.get('k') ?? 10)) });
 }
 
+function map(query) {
+  return json(mapOf(entityOf(need(query, 'entity')), Number(query.get('max') ?? 2000)));
+}
+
 function links(query) {
   const { entity, time } = splitId(need(query, 'id'));
   return json(linksOf(entity, time));
@@ -150,7 +154,7 @@ const info = () => json({
 });
 
 const routes = {
-  info, density, series, image, predict, step, nights, find, similar, links,
+  info, density, series, image, predict, step, nights, find, similar, links, map,
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),
   members: (query) => json({ members: membersOf(entityOf(need(query, 'entity'))) }),

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Snapshots, predictions, links and likeness of the imagined memory.
-import { formOf, isRecorded, kEntities, kHorizonNs, kStart, lowerBound } from './world.mjs';
+import { formOf, isRecorded, kEntities, kHorizonNs, kStart, lowerBound, recordingAt } from './world.mjs';
 import { continued, membersOf, valueOf } from './values.mjs';
-import { platform, reach } from './motion.mjs';
+import { platform, reach, task } from './motion.mjs';
 
 export class Refusal extends Error {
   constructor(status, code, message) {
@@ -124,4 +124,23 @@ export function similarTo(entity, at, k) {
   }
   return [...best.values()].sort((a, b) => a.distance - b.distance).slice(0, k)
     .map(({ time, distance }) => ({ id: `${entity.id}/${time}`, time: `${time}`, distance }));
+}
+
+/** Codes in two dimensions: the robot goes to and fro between counter and table, and reaches at both. */
+export function mapOf(entity, max) {
+  const coded = entity.times.filter((offset) => formOf(entity, offset) === 1);
+  if (coded.length === 0) throw new Refusal(409, 'failed precondition', `entity '${entity.id}' has no codes yet: no night came after it. Run engram consolidate`);
+  const count = Math.min(max, coded.length);
+  const offsets = Array.from({ length: count }, (_, i) => coded[Math.floor((i * coded.length) / count)]);
+  const round = (x) => Math.round(x * 1e4) / 1e4;
+  const code = (t) => {
+    const p = platform(t);
+    const blur = (k) => 0.06 * Math.sin(t * k) * Math.cos(t * 0.37 * k);
+    return [round(1.1 * p.x + 0.3 * Math.sin(task(t).number * 1.9) + blur(31)), round(1.4 * reach(t) * Math.cos(p.x) + p.y + 0.02 * task(t).number + blur(47))];
+  };
+  const codes = offsets.map((offset) => code(offset / 1e9));
+  return {
+    entity: entity.id, space: `${entity.kind}-0007`, coded_by: entity.kind.includes('camera') || entity.kind === 'depth' ? 'images' : 'numbers', times: offsets.map((offset) => `${kStart + BigInt(offset)}`),
+    x: codes.map(([x]) => x), y: codes.map(([, y]) => y), recordings: offsets.map((offset) => recordingAt(offset / 1e9)), explained: 0.41,
+  };
 }

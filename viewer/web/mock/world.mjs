@@ -12,6 +12,9 @@ const kPauses = [[497, 552], [961.5, 975]];
 const kLatentUntil = 840;
 const kRecordedFrom = 610;
 
+/** Which recording a time belongs to: the robot was off between them. */
+export const recordingAt = (seconds) => kPauses.filter(([, to]) => seconds >= to).length;
+
 const isOff = (seconds) => kPauses.some(([from, to]) => seconds >= from && seconds < to);
 const noise = (i) => { const x = Math.sin(i * 12.9898 + 4.1) * 43758.5453; return x - Math.floor(x); };
 

@@ -19,8 +19,9 @@ import { keyOf } from './ui/keys';
 import { keyTable } from './ui/keyTable';
 import { Splitter } from './ui/Splitter';
 
-// three.js is large; who opens no 3-D panel never loads it.
+// Who opens no 3-D panel never loads three.js, which is large; nor what else few open.
 const ScenePanel = lazy(() => import('./panels/scene/ScenePanel'));
+const MapPanel = lazy(() => import('./panels/map/MapPanel'));
 
 function AnyPanel(props: { panel: Panel }) {
   return (
@@ -32,6 +33,7 @@ function AnyPanel(props: { panel: Panel }) {
       <Match when={props.panel.kind === 'nights'}><NightsPanel panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'query'}><QueryPanel panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'scene'}><Suspense fallback={<div class="panel skeleton" />}><ScenePanel panel={props.panel} /></Suspense></Match>
+      <Match when={props.panel.kind === 'map'}><Suspense fallback={<div class="panel skeleton" />}><MapPanel panel={props.panel} /></Suspense></Match>
     </Switch>
   );
 }

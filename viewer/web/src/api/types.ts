@@ -92,6 +92,27 @@ export const links = d.object({
 });
 export type Links = d.Of<typeof links>;
 
+const plainMap = d.object({
+  space: d.withDefault(d.string, ''),
+  coded_by: d.withDefault(d.string, ''),
+  times: d.list(d.time),
+  x: d.list(d.number),
+  y: d.list(d.number),
+  recordings: d.withDefault(d.list(d.number), []),
+  explained: d.optional(d.number),
+});
+export type MemoryMap = d.Of<typeof plainMap>;
+
+/** Moments and their places, in the order of time. */
+export const memoryMap: d.Decoder<MemoryMap> = (value, path) => {
+  const map = plainMap(value, path);
+  const count = map.times.length;
+  if (map.x.length !== count || map.y.length !== count || (map.recordings.length !== 0 && map.recordings.length !== count)) throw new d.DecodeError('x, y, recordings', map.x, `as many numbers as there are times (${count})`);
+  const order = map.times.map((_, i) => i).sort((a, b) => (map.times[a]! < map.times[b]! ? -1 : map.times[a]! > map.times[b]! ? 1 : 0));
+  const sorted = <T>(list: readonly T[]) => (list.length === 0 ? [] : order.map((i) => list[i]!));
+  return { ...map, times: sorted(map.times), x: sorted(map.x), y: sorted(map.y), recordings: sorted(map.recordings) };
+};
+
 export const found = d.object({ found: d.list(d.string), more: d.withDefault(d.bool, false) });
 export const step = d.object({ time: d.time });
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createEffect, createMemo, For, onCleanup, Show } from 'solid-js';
-import { getImage, getJson } from '../api/client';
-import { Turns } from '../api/turns';
+import { getJson } from '../api/client';
 import { isImage, moment as momentDecoder, similar, type Similar } from '../api/types';
 import { createMembers } from '../state/moment';
 import { restCursor } from '../state/moving';
@@ -9,9 +8,8 @@ import { createRequest } from '../state/request';
 import { info, last, nodeOf, setCursor, setMarks, setOption, setSelected, type Panel } from '../state/store';
 import { formatClock, formatDuration, formatTime } from '../time/format';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
-import { Bitmap, closeReplaced } from './images/PictureTile';
+import { Thumb } from './images/Thumb';
 
-const thumbnails = new Turns(3);
 const kCounts = ['6', '12', '24'];
 
 /** When it was like this before: the nearest moments, one of each recording where there are several. */
@@ -65,17 +63,4 @@ export function SimilarPanel(props: { panel: Panel }) {
 function away(time: bigint): string {
   const from = restCursor();
   return time > from ? `${formatDuration(time - from)} later` : `${formatDuration(from - time)} ago`;
-}
-
-function Thumb(props: { id: string; path: string | undefined }) {
-  const picture = createRequest(() => (props.path === undefined ? null : {
-    group: `${props.id} ${props.path}`,
-    run: (signal: AbortSignal) => thumbnails.run(() => getImage({ id: props.id, path: props.path, form: 'any', as: 'jpeg', quality: 80 }, signal), signal),
-  }));
-  closeReplaced(createMemo(() => { const shown = picture.data(); return shown ? [shown.bitmap] : []; }));
-  return (
-    <span class="thumb-picture">
-      <Show when={picture.data()} fallback={<span class="muted">{picture.error() ? 'no image' : ''}</span>}>{(shown) => <Bitmap bitmap={shown().bitmap} label="" />}</Show>
-    </span>
-  );
 }

@@ -13,6 +13,7 @@ const kPanels: readonly { kind: PanelKind; icon: IconName; title: string; ofEnti
   { kind: 'images', icon: 'image', title: 'Images', ofEntity: true },
   { kind: 'plot', icon: 'chart-line', title: 'Plot', ofEntity: true },
   { kind: 'similar', icon: 'sparkles', title: 'Similar moments', ofEntity: true },
+  { kind: 'map', icon: 'chart-scatter', title: 'Memory map', ofEntity: true },
   { kind: 'inspector', icon: 'list-tree', title: 'Inspector', ofEntity: false },
   { kind: 'scene', icon: 'box', title: '3-D scene', ofEntity: false },
   { kind: 'nights', icon: 'moon', title: 'Nights and bytes', ofEntity: false },

@@ -5,6 +5,7 @@ import box from 'lucide/dist/esm/icons/box.mjs';
 import chartLine from 'lucide/dist/esm/icons/chart-line.mjs';
 import chevronDown from 'lucide/dist/esm/icons/chevron-down.mjs';
 import chevronRight from 'lucide/dist/esm/icons/chevron-right.mjs';
+import chartScatter from 'lucide/dist/esm/icons/chart-scatter.mjs';
 import code from 'lucide/dist/esm/icons/code.mjs';
 import copy from 'lucide/dist/esm/icons/copy.mjs';
 import download from 'lucide/dist/esm/icons/download.mjs';
@@ -13,6 +14,7 @@ import image from 'lucide/dist/esm/icons/image.mjs';
 import link from 'lucide/dist/esm/icons/link.mjs';
 import listTree from 'lucide/dist/esm/icons/list-tree.mjs';
 import moon from 'lucide/dist/esm/icons/moon.mjs';
+import penTool from 'lucide/dist/esm/icons/pen-tool.mjs';
 import pause from 'lucide/dist/esm/icons/pause.mjs';
 import play from 'lucide/dist/esm/icons/play.mjs';
 import plus from 'lucide/dist/esm/icons/plus.mjs';
@@ -28,8 +30,8 @@ import terminal from 'lucide/dist/esm/icons/terminal.mjs';
 import x from 'lucide/dist/esm/icons/x.mjs';
 
 const kIcons = {
-  'arrow-left': arrowLeft, 'arrow-right': arrowRight, box, 'chart-line': chartLine, 'chevron-down': chevronDown, 'chevron-right': chevronRight, code, copy,
-  download, help, image, link, 'list-tree': listTree, moon, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
+  'arrow-left': arrowLeft, 'arrow-right': arrowRight, box, 'chart-line': chartLine, 'chart-scatter': chartScatter, 'chevron-down': chevronDown, 'chevron-right': chevronRight, code, copy,
+  download, help, image, link, 'list-tree': listTree, moon, 'pen-tool': penTool, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
   sparkles, 'step-back': stepBack, 'step-forward': stepForward, table, terminal, x,
 };
 export type IconName = keyof typeof kIcons;

@@ -2,6 +2,9 @@
 // Pictures as vectors. What draws on a canvas draws with an `SvgPen`, too, so that both pictures are
 // of the same code and look the same.
 
+/** The font of axes and legends in drawings. */
+export const kFont = '11px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
+
 /** What drawings use of a canvas. */
 export interface Pen {
   fillStyle: string | CanvasGradient | CanvasPattern;

@@ -18,13 +18,16 @@ function read(): Theme {
 }
 
 const [theme, setTheme] = createSignal<Theme>(read());
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => setTheme(read()));
+const darkness = matchMedia('(prefers-color-scheme: dark)');
+darkness.addEventListener('change', () => setTheme(read()));
 addEventListener('load', () => setTheme(read()));
 
 export { theme };
+/** Changes together with the theme. */
+export const isDark = (): boolean => { theme(); return darkness.matches; };
 export const prefersStill = (): boolean => matchMedia('(prefers-reduced-motion: reduce)').matches;
 
-export const kFont = '11px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
+export { kFont } from './svg';
 
 /** Sizes a canvas for the screen's pixels and gives its context, in CSS pixels. */
 export function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
