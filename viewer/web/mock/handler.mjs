@@ -135,6 +135,22 @@ function map(query) {
   return json(mapOf(entityOf(need(query, 'entity')), Number(query.get('max') ?? 2000)));
 }
 
+/** PSNR of both forms, over at most `sample` snapshots that are spread evenly. */
+function quality(query) {
+  const entity = entityOf(need(query, 'entity'));
+  if (!entity.kind.includes('camera')) throw new Refusal(409, 'failed precondition', `entity '${entity.id}' has no image, and the quality of numbers is not told`);
+  const both = entity.times.filter((offset) => formOf(entity, offset) === 1 && isRecorded(entity, offset));
+  const count = Math.min(Number(query.get('sample') ?? 200), both.length, 64);
+  const found = Array.from({ length: count }, (_, i) => both[Math.floor((i * both.length) / count)]).map((offset) => {
+    const recorded = scene(offset / 1e9, entity.kind === 'hand_camera' ? 24 : 0);
+    return { id: `${entity.id}/${kStart + BigInt(offset)}`, psnr: Math.round(psnr(recorded, reconstruct(recorded)) * 100) / 100 };
+  }).sort((a, b) => a.psnr - b.psnr);
+  const [low, step] = [Math.floor(found[0].psnr * 10) / 10, 0.1];
+  const counts = new Array(Math.floor((found.at(-1).psnr - low) / step + 1e-9) + 1).fill(0);
+  for (const one of found) counts[Math.floor((one.psnr - low) / step + 1e-9)] += 1;
+  return json({ entity: entity.id, low, step, counts, unknown: 0, compared: count, worst: found.slice(0, 20) });
+}
+
 function links(query) {
   const { entity, time } = splitId(need(query, 'id'));
   return json(linksOf(entity, time));
@@ -154,7 +170,7 @@ const info = () => json({
 });
 
 const routes = {
-  info, density, series, image, predict, step, nights, find, similar, links, map,
+  info, density, series, image, predict, step, nights, find, similar, links, map, quality,
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),
   members: (query) => json({ members: membersOf(entityOf(need(query, 'entity'))) }),

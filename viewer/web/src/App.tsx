@@ -2,7 +2,7 @@
 import { createEffect, createMemo, createSignal, For, lazy, on, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
 import { ImagesPanel } from './panels/images/ImagesPanel';
 import { Inspector } from './panels/Inspector';
-import { NightsPanel } from './panels/NightsPanel';
+import { NightsPanel } from './panels/nights/NightsPanel';
 import { PlotPanel } from './panels/plot/PlotPanel';
 import { QueryPanel } from './panels/QueryPanel';
 import { SimilarPanel } from './panels/SimilarPanel';

@@ -131,6 +131,22 @@ export const nights = d.object({
 });
 export type Nights = d.Of<typeof nights>;
 
+const plainQuality = d.object({
+  low: d.number,
+  step: d.number,
+  counts: d.list(d.number),
+  unknown: d.withDefault(d.number, 0),
+  compared: d.withDefault(d.number, 0),
+  worst: d.withDefault(d.list(d.object({ id: d.string, psnr: d.number })), []),
+});
+export type Quality = d.Of<typeof plainQuality>;
+
+export const quality: d.Decoder<Quality> = (value, path) => {
+  const found = plainQuality(value, path);
+  if (!(found.step > 0)) throw new d.DecodeError('step', found.step, 'a number above 0');
+  return found;
+};
+
 export const liveFrame = d.object({
   kind: d.string,
   ids: d.withDefault(d.list(d.string), []),
