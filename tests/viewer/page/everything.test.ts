@@ -46,6 +46,34 @@ describe('pictures of panels', () => {
     expect(file.suggestedFilename()).toBe(name);
     expect([...readFileSync(await file.path()).subarray(1, 4)]).toEqual([...Buffer.from('PNG')]);
   });
+
+  it.each([
+    ['Save this plot as SVG', 'plot.svg', /RobotState\/Proprioception\/robot\/joints/, 8],
+    ['Save the timeline as SVG', 'timeline.svg', /head \/ stereo/, 30],
+    ['Save the trace as SVG', 'trace.svg', /robot\/joints/, 6],
+  ])('are vectors, too: %s', async (button, name, text, shapes) => {
+    const { page, context } = await visit();
+    await page.locator('.plot-host canvas').first().waitFor();
+    await page.locator('details.trace summary').click();
+    await page.locator('.trace-node').nth(3).waitFor();
+    await expect.poll(() => page.getByText('following links').count()).toBe(0);
+    const waiting = page.waitForEvent('download');
+    await page.getByRole('button', { name: button }).first().click();
+    const file = await waiting;
+    expect(file.suggestedFilename()).toBe(name);
+    const svg = readFileSync(await file.path(), 'utf8');
+    expect(svg).not.toMatch(/<image|data:|var\(--|class=/);
+    // A browser takes it as it is, with its texts.
+    const other = await context.newPage();
+    const seen = await other.evaluate((source) => {
+      const drawn = new DOMParser().parseFromString(source, 'image/svg+xml');
+      return { error: drawn.querySelector('parsererror')?.textContent ?? '', shapes: drawn.querySelectorAll('path, rect').length, texts: [...drawn.querySelectorAll('text')].map((one) => one.textContent ?? '') };
+    }, svg);
+    expect(seen.error).toBe('');
+    expect(seen.shapes).toBeGreaterThanOrEqual(shapes);
+    expect(seen.texts.some((one) => text.test(one))).toBe(true);
+    await other.close();
+  });
 });
 
 describe('the keyboard', () => {

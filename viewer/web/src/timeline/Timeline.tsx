@@ -12,14 +12,16 @@ import { lengthOf, pan, timeAt, zoom } from '../time/span';
 import { IconButton } from '../ui/Icon';
 import { createSize, perFrame } from '../ui/size';
 import { sized, theme } from '../ui/theme';
-import { download } from '../ui/download';
+import { download, downloadSvg } from '../ui/download';
+import { SvgPen } from '../ui/svg';
 import { createDensity, wider } from './density';
-import { drawLanes } from './draw';
+import { drawLanes, type LaneView } from './draw';
 import { listen } from './gestures';
 import { kRowHeight, rowsOf, visibleRows, type Row } from './layout';
 import { Minimap } from './Minimap';
 import { Names } from './Names';
-import { drawOverlay, kAxisHeight } from './overlay';
+import { drawOverlay, kAxisHeight, type Overlay } from './overlay';
+import { drawTimeline, kNamesWidth } from './picture';
 
 /** Collapses or opens a level, and asks for its children if nobody did yet. */
 export async function toggleRow(row: Row): Promise<void> {
@@ -61,16 +63,18 @@ export function Timeline() {
     });
   };
 
+  const laneView = (): LaneView => ({ rows: rows(), first: shown().first, scrollTop: scrollTop(), width: area().width, height: lanesHeight(), span: view(), last: last(), selected: selected(), densities: density.data() });
+  const overlay = (): Overlay => ({ span: view(), ...area(), cursor: cursor(), hover: hover(), selection: selection(), last: last(), marks: marks(), links: linkLines() });
   const paintLanes = perFrame(() => {
     const { width } = area();
     const height = lanesHeight();
     if (width === 0) return;
-    drawLanes(sized(lanesCanvas, width, height), { rows: rows(), first: shown().first, scrollTop: scrollTop(), width, height, span: view(), last: last(), selected: selected(), densities: density.data() }, theme());
+    drawLanes(sized(lanesCanvas, width, height), laneView(), theme());
   });
   const paintOverlay = perFrame(() => {
     const { width, height } = area();
     if (width === 0) return;
-    drawOverlay(sized(overlayCanvas, width, height), { span: view(), width, height, cursor: cursor(), hover: hover(), selection: selection(), last: last(), marks: marks(), links: linkLines() }, theme());
+    drawOverlay(sized(overlayCanvas, width, height), overlay(), theme());
   });
   createEffect(() => { area(); rows(); shown(); scrollTop(); view(); last(); selected(); density.data(); theme(); paintLanes(); });
   createEffect(() => { area(); view(); cursor(); hover(); selection(); last(); marks(); selectedLinks(); rows(); scrollTop(); theme(); paintOverlay(); });
@@ -104,21 +108,24 @@ export function Timeline() {
   createEffect(on([selected, () => lanesHeight() > 0], () => { const place = lanePlaces().get(selected()); if (place !== undefined) keepVisible(place); }));
 
   const share = () => Math.round((Number(cursor() - limits().from) / Number(lengthOf(limits()))) * 1000) / 10;
-  const savePicture = () => {
+  const savePng = () => {
     const out = document.createElement('canvas');
-    const c = sized(out, area().width, area().height);
-    c.fillStyle = theme().panel;
-    c.fillRect(0, 0, area().width, area().height);
-    c.drawImage(lanesCanvas, 0, kAxisHeight, area().width, lanesHeight());
-    c.drawImage(overlayCanvas, 0, 0, area().width, area().height);
+    drawTimeline(sized(out, kNamesWidth + area().width, area().height), laneView(), overlay(), theme());
     void download(out, 'timeline.png');
   };
-
+  const saveSvg = () => {
+    const pen = new SvgPen(kNamesWidth + area().width, area().height, `Timeline from ${formatTime(view().from)} to ${formatTime(view().to)}`);
+    drawTimeline(pen, laneView(), overlay(), theme());
+    downloadSvg(pen, 'timeline.svg');
+  };
   return (
     <section class="timeline" aria-label="Timeline">
       <div class="timeline-corner">
         <span class="muted">{formatDuration(lengthOf(view()))} · {rows().filter((row) => row.isEntity).length} lanes</span>
-        <IconButton icon="download" label="Save the timeline as PNG" onClick={savePicture} />
+        <span>
+          <IconButton icon="download" label="Save the timeline as PNG" onClick={savePng} />
+          <IconButton icon="pen-tool" label="Save the timeline as SVG" onClick={saveSvg} />
+        </span>
       </div>
       <Minimap />
       <div class="timeline-head muted"><Legend /></div>

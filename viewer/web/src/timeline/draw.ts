@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws lanes: which snapshots there are, and in which form.
 import type { Density } from '../api/binary';
+import { SvgPen, type Pen } from '../ui/svg';
 import type { Theme } from '../ui/theme';
 import { xOf, type Span } from '../time/span';
 import { ticksOf } from '../time/ticks';
 import type { Densities } from './density';
 import { kRowHeight, type Row } from './layout';
-
-type Context = CanvasRenderingContext2D;
 
 const kForms = ['recorded', 'latent', 'augmented'] as const;
 /** Forms differ in colour and in height, so that nobody needs to tell the colours apart. */
@@ -25,7 +24,7 @@ function place(densities: Densities, span: Span, width: number): Bars {
 }
 
 /** One lane: runs of pixels with the same form become one rectangle each. */
-export function drawLane(c: Context, density: Density, bars: Bars, y: number, height: number, theme: Theme, pixels: number): void {
+export function drawLane(c: Pen, density: Density, bars: Bars, y: number, height: number, theme: Theme, pixels: number): void {
   const first = Math.max(0, Math.floor(-bars.x0 / bars.perPixel));
   const end = Math.min(pixels, Math.ceil((bars.width - bars.x0) / bars.perPixel));
   for (const form of kForms) {
@@ -49,7 +48,8 @@ export function drawLane(c: Context, density: Density, bars: Bars, y: number, he
 let hatch: { key: string; pattern: CanvasPattern } | undefined;
 
 /** Thin diagonals: what is not there yet. */
-export function hatching(c: Context, colour: string): CanvasPattern | string {
+export function hatching(c: Pen, colour: string): CanvasPattern | string {
+  if (c instanceof SvgPen) return c.hatch(colour);
   if (hatch?.key === colour) return hatch.pattern;
   const tile = document.createElement('canvas');
   tile.width = tile.height = 16;
@@ -61,14 +61,14 @@ export function hatching(c: Context, colour: string): CanvasPattern | string {
     t.lineTo(shift + 17, -1);
   }
   t.stroke();
-  const pattern = c.createPattern(tile, 'repeat');
+  const pattern = t.createPattern(tile, 'repeat');
   if (!pattern) return colour;
   hatch = { key: colour, pattern };
   return pattern;
 }
 
 /** Hatches everything behind the last snapshot. */
-export function drawFuture(c: Context, last: bigint, span: Span, width: number, height: number, theme: Theme): void {
+export function drawFuture(c: Pen, last: bigint, span: Span, width: number, height: number, theme: Theme): void {
   const x = Math.max(0, xOf(last, span, width));
   if (x >= width) return;
   c.globalAlpha = 0.45;
@@ -91,7 +91,7 @@ export interface LaneView {
   readonly densities: Densities | undefined;
 }
 
-export function drawLanes(c: Context, view: LaneView, theme: Theme): void {
+export function drawLanes(c: Pen, view: LaneView, theme: Theme): void {
   const bars = view.densities ? place(view.densities, view.span, view.width) : null;
   const full = view.rows.length;
   drawGrid(c, view, theme);
@@ -116,12 +116,12 @@ export function drawLanes(c: Context, view: LaneView, theme: Theme): void {
   drawFuture(c, view.last, view.span, view.width, view.height, theme);
 }
 
-function drawGrid(c: Context, view: LaneView, theme: Theme): void {
+function drawGrid(c: Pen, view: LaneView, theme: Theme): void {
   c.fillStyle = theme.stripe;
   for (const tick of ticksOf(view.span, view.width)) c.fillRect(Math.round(xOf(tick.time, view.span, view.width)), 0, 1, view.height);
 }
 
-export function drawMinimap(c: Context, densities: Densities | undefined, span: Span, life: Span, last: bigint, width: number, height: number, theme: Theme): void {
+export function drawMinimap(c: Pen, densities: Densities | undefined, span: Span, life: Span, last: bigint, width: number, height: number, theme: Theme): void {
   if (densities) {
     const bars = place(densities, life, width);
     const lanes = [...densities.lanes.values()];

@@ -4,7 +4,8 @@
 import { formatClock, formatDuration } from '../time/format';
 import { lengthOf, xOf, type Span } from '../time/span';
 import { ticksOf } from '../time/ticks';
-import { kFont, type Theme } from '../ui/theme';
+import { kFont, type Pen } from '../ui/svg';
+import type { Theme } from '../ui/theme';
 
 export const kAxisHeight = 26;
 
@@ -21,9 +22,7 @@ export interface Overlay {
   readonly links: readonly { readonly fromY: number; readonly toY: number; readonly from: bigint; readonly to: bigint }[];
 }
 
-type Context = CanvasRenderingContext2D;
-
-function label(c: Context, text: string, x: number, y: number, width: number, fill: string, ink: string): void {
+function label(c: Pen, text: string, x: number, y: number, width: number, fill: string, ink: string): void {
   const w = c.measureText(text).width + 10;
   const left = Math.max(1, Math.min(width - w - 1, x - w / 2));
   c.fillStyle = fill;
@@ -40,7 +39,7 @@ export function digitsFor(span: Span, width: number): number {
   return perPixel < 1e3 ? 9 : perPixel < 1e6 ? 6 : 3;
 }
 
-export function drawOverlay(c: Context, view: Overlay, theme: Theme): void {
+export function drawOverlay(c: Pen, view: Overlay, theme: Theme): void {
   const { span, width, height } = view;
   const x = (time: bigint) => xOf(time, span, width);
   c.font = kFont;
@@ -83,7 +82,7 @@ export function drawOverlay(c: Context, view: Overlay, theme: Theme): void {
   label(c, text, at, 5, width, colour, theme.panel);
 }
 
-function drawMarks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) => number): void {
+function drawMarks(c: Pen, view: Overlay, theme: Theme, x: (time: bigint) => number): void {
   c.fillStyle = theme.mark;
   for (const mark of view.marks) {
     const at = x(mark);
@@ -99,7 +98,7 @@ function drawMarks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) =>
   }
 }
 
-function drawLinks(c: Context, view: Overlay, theme: Theme, x: (time: bigint) => number): void {
+function drawLinks(c: Pen, view: Overlay, theme: Theme, x: (time: bigint) => number): void {
   c.strokeStyle = theme.ink;
   c.fillStyle = theme.ink;
   c.lineWidth = 1.2;

@@ -16,4 +16,4 @@ export async function download(canvas: HTMLCanvasElement, name: string): Promise
   if (blob) offer(blob, name);
 }
 
-export const downloadSvg = (pen: SvgPen, name: string, scale = 1): void => offer(new Blob([pen.text(scale)], { type: 'image/svg+xml' }), name);
+export const downloadSvg = (file: SvgPen | string, name: string): void => offer(new Blob([typeof file === 'string' ? file : file.text()], { type: 'image/svg+xml' }), name);

@@ -26,12 +26,12 @@ describe('a picture as SVG', () => {
     pen.font = '600 11px "DejaVu Sans", sans-serif';
     pen.textBaseline = 'middle';
     pen.fillText('a < b', 3, 4);
-    const text = pen.text(0.5);
+    const text = pen.text();
     expect(text).toContain('<path d="M1 2h30v40h-30Z" fill="#123456"/>');
     expect(text).toContain('d="M0 0L10.12 5" fill="none" stroke="#000" stroke-width="1" stroke-linejoin="round" stroke-dasharray="2 3" opacity="0.5"');
     expect(text).toContain('font-size="11" font-weight="600" dy="0.35em"');
     expect(text).toContain('>a &#60; b</text>');
-    expect(text).toContain('width="50" height="25" viewBox="0 0 100 50"');
+    expect(text).toContain('width="100" height="50" viewBox="0 0 100 50"');
     expect(text).not.toMatch(/<image|data:/);
     expect(isNested(text)).toBe(true);
   });

@@ -35,9 +35,11 @@ export interface Pen {
   setLineDash(dash: number[]): void;
 }
 
-/** As XML takes a text; letters that XML cannot hold are left out. */
-export const escapeXml = (text: string): string =>
-  text.replace(/[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]/gu, '').replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
+/** Leaves out letters that XML cannot hold. */
+export const withoutControls = (text: string): string => text.replace(/[\0-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]/gu, '');
+
+/** As XML takes a text. */
+export const escapeXml = (text: string): string => withoutControls(text).replace(/[&<>"']/g, (c) => `&#${c.charCodeAt(0)};`);
 
 const short = (value: number): string => String(Math.round(value * 100) / 100);
 
@@ -168,9 +170,9 @@ export class SvgPen implements Pen {
     return `url(#${id})`;
   }
 
-  /** The whole file; `scale` shows a unit of the drawing as that many pixels. */
-  text(scale = 1): string {
-    const size = `width="${short(this.width * scale)}" height="${short(this.height * scale)}" viewBox="0 0 ${short(this.width)} ${short(this.height)}"`;
+  /** The whole file. */
+  text(): string {
+    const size = `width="${short(this.width)}" height="${short(this.height)}" viewBox="0 0 ${short(this.width)} ${short(this.height)}"`;
     return `<?xml version="1.0" encoding="UTF-8"?>\n<svg xmlns="http://www.w3.org/2000/svg" ${size}>\n<title>${escapeXml(this.title)}</title>\n<defs>${this.defs.join('')}</defs>\n${this.body.join('\n')}\n${'</g>'.repeat(this.groups)}</svg>\n`;
   }
 }

@@ -10,7 +10,7 @@ import { download, downloadSvg } from '../../ui/download';
 import { IconButton } from '../../ui/Icon';
 import { Empty, PanelFrame } from '../../ui/PanelFrame';
 import { createSize, perFrame } from '../../ui/size';
-import { SvgPen, type Pen } from '../../ui/svg';
+import { kFont, SvgPen, type Pen } from '../../ui/svg';
 import { isDark, sized, theme } from '../../ui/theme';
 import { Thumb } from '../images/Thumb';
 import { drawLegend, drawMap, indexAt, nearestTo, placesOf, radiusFor, recordingColour, timeColour, type ColourBy, type LegendEntry, type MapView } from './draw';
@@ -80,7 +80,7 @@ export default function MapPanel(props: { panel: Panel }) {
     pen.fillStyle = theme().panel;
     pen.fillRect(0, 0, width, height);
     pen.fillStyle = theme().ink;
-    pen.font = 'bold 12px sans-serif';
+    pen.font = `600 ${kFont}`;
     pen.textBaseline = 'middle';
     pen.fillText(`${entity()}, ${told()}`, 8, 12);
     pen.save();

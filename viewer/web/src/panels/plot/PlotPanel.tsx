@@ -9,12 +9,13 @@ import { formatNumber } from '../../time/format';
 import { pan, timeAt, zoom } from '../../time/span';
 import { wider } from '../../timeline/density';
 import { listen } from '../../timeline/gestures';
-import { download } from '../../ui/download';
+import { download, downloadSvg } from '../../ui/download';
 import { IconButton } from '../../ui/Icon';
 import { Empty, PanelFrame } from '../../ui/PanelFrame';
 import { createSize, perFrame } from '../../ui/size';
-import { theme } from '../../ui/theme';
-import { createChart, dataOf, lineAt, styleOf, type Shown } from './chart';
+import { SvgPen, type Pen } from '../../ui/svg';
+import { sized, theme } from '../../ui/theme';
+import { createChart, dataOf, drawChart, kTitleHeight, lineAt, styleOf, type Shown } from './chart';
 import { askSeries, valueAt, type Plotted } from './data';
 import { foresee, type Foreseen } from './future';
 import { SeriesPicker } from './SeriesPicker';
@@ -109,13 +110,27 @@ export function PlotPanel(props: { panel: Panel }) {
   const toggle = (path: string) => { const next = new Set(hidden()); if (!next.delete(path)) next.add(path); setHidden(next); };
   const label = (path: string) => { const member = numbers().find((other) => other.path === path); return member?.name ? `${member.name} ${/velocit/i.test(path) ? 'velocity' : ''}`.trim() : path || 'value'; };
   const unitOf = (path: string) => numbers().find((other) => other.path === path)?.unit ?? '';
+  const draw = (pen: Pen, drawn: uPlot) => drawChart(pen, drawn, shown(), props.panel.paths.map(label), props.panel.entity, theme());
+  const savePng = () => {
+    if (!chart || !best()) return;
+    const out = document.createElement('canvas');
+    draw(sized(out, chart.width, chart.height + kTitleHeight), chart);
+    void download(out, 'plot.png');
+  };
+  const saveSvg = () => {
+    if (!chart || !best()) return;
+    const pen = new SvgPen(chart.width, chart.height + kTitleHeight, `${props.panel.entity}: ${props.panel.paths.join(', ')}`);
+    draw(pen, chart);
+    downloadSvg(pen, 'plot.svg');
+  };
   return (
     <PanelFrame panel={props.panel} icon="chart-line" title="Plot" isBusy={plotted.isBusy() || whole.isBusy()} error={plotted.error() || members.error() || foreseen.error()} onRetry={() => [plotted, members, foreseen].forEach((one) => { if (one.error()) one.retry(); })}
       actions={<>
         <IconButton icon="search" label="Choose series" isPressed={isPicking()} onClick={() => setPicking(!isPicking())} />
         <IconButton icon="sparkles" label="Predict from the cursor" isPressed={fromHere()} onClick={() => setOption(props.panel, 'from', fromHere() ? '0' : '1')} />
         <IconButton icon="table" label="Show as a table" isPressed={isTable()} onClick={() => setOption(props.panel, 'table', isTable() ? '0' : '1')} />
-        <IconButton icon="download" label="Save this plot as PNG" isDisabled={isTable()} onClick={() => void savePlot(host, props.panel)} />
+        <IconButton icon="download" label="Save this plot as PNG" isDisabled={isTable()} onClick={savePng} />
+        <IconButton icon="pen-tool" label="Save this plot as SVG" isDisabled={isTable()} onClick={saveSvg} />
       </>}>
       <div class="plot-legend" role="group" aria-label="Series shown">
         <For each={props.panel.paths}>{(path, i) => (
@@ -139,20 +154,4 @@ export function PlotPanel(props: { panel: Panel }) {
       </Show>
     </PanelFrame>
   );
-}
-
-async function savePlot(host: HTMLElement, panel: Panel): Promise<void> {
-  const drawn = host.querySelector('canvas');
-  if (!drawn) return;
-  const canvas = document.createElement('canvas');
-  canvas.width = drawn.width;
-  canvas.height = drawn.height + 22;
-  const c = canvas.getContext('2d')!;
-  c.fillStyle = theme().panel;
-  c.fillRect(0, 0, canvas.width, canvas.height);
-  c.fillStyle = theme().ink;
-  c.font = 'bold 12px sans-serif';
-  c.fillText(`${panel.entity}: ${panel.paths.join(', ')}`, 8, 15, canvas.width - 16);
-  c.drawImage(drawn, 0, 22);
-  await download(canvas, 'plot.png');
 }

@@ -6,8 +6,9 @@ import { formatNumber } from '../../time/format';
 import { xOf, type Span } from '../../time/span';
 import { ticksOf } from '../../time/ticks';
 import { hatching } from '../../timeline/draw';
-import { kFont, type Theme } from '../../ui/theme';
-import { rangeOf, type Plotted } from './data';
+import { kFont, type Pen } from '../../ui/svg';
+import type { Theme } from '../../ui/theme';
+import { rangeOf, splitsOf, type Plotted } from './data';
 import type { Foreseen } from './future';
 
 export interface Shown {
@@ -18,22 +19,44 @@ export interface Shown {
   readonly isShown: (path: string) => boolean;
 }
 
+/** Title and names above a chart that is saved. */
+export const kTitleHeight = 40;
+
 export const styleOf = (i: number, theme: Theme): { colour: string; dash: number[] } => ({ colour: theme.series[i % 8]!, dash: i < 8 ? [] : [7, 4] });
 
 const seconds = (time: bigint, base: bigint): number => Number(time - base) / 1e9;
 
-/** Dashed lines of what is predicted, in a band that holds nine of ten. */
-function drawForeseen(u: uPlot, shown: Shown, theme: Theme): void {
-  const { foreseen, plotted } = shown;
-  if (!foreseen) return;
-  const c = u.ctx;
-  const ratio = devicePixelRatio;
-  const x = (time: bigint) => u.valToPos(seconds(time, plotted.span.from), 'x', true);
-  const y = (value: number) => u.valToPos(value, 'y', true);
+/** Where a plot is drawn: on the canvas of uPlot in pixels of the screen, in a file in those of the page. */
+interface Field {
+  readonly left: number; readonly top: number; readonly width: number; readonly height: number;
+  readonly ratio: number;
+  readonly x: (seconds: number) => number;
+  readonly y: (value: number) => number;
+}
+
+function onCanvas(u: uPlot): Field {
+  return { ...u.bbox, ratio: devicePixelRatio, x: (at) => u.valToPos(at, 'x', true), y: (value) => u.valToPos(value, 'y', true) };
+}
+
+function inFile(u: uPlot): Field {
+  const [left, top, width, height] = [u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height].map((size) => size / devicePixelRatio) as [number, number, number, number];
+  return { left, top, width, height, ratio: 1, x: (at) => left + u.valToPos(at, 'x'), y: (value) => top + u.valToPos(value, 'y') };
+}
+
+function clipTo(c: Pen, { left, top, width, height }: Field): void {
   c.save();
   c.beginPath();
-  c.rect(u.bbox.left, u.bbox.top, u.bbox.width, u.bbox.height);
+  c.rect(left, top, width, height);
   c.clip();
+}
+
+/** Dashed lines of what is predicted, in a band that holds nine of ten. */
+function drawForeseen(c: Pen, field: Field, shown: Shown, theme: Theme): void {
+  const { foreseen, plotted } = shown;
+  if (!foreseen) return;
+  const { ratio, y } = field;
+  const x = (time: bigint) => field.x(seconds(time, plotted.span.from));
+  clipTo(c, field);
   plotted.paths.forEach((path, i) => {
     if (!shown.isShown(path)) return;
     const values = foreseen.values[i] ?? [];
@@ -60,15 +83,92 @@ function drawForeseen(u: uPlot, shown: Shown, theme: Theme): void {
   c.restore();
 }
 
-function drawBehind(u: uPlot, shown: Shown, theme: Theme): void {
-  const x = Math.max(u.bbox.left, u.valToPos(seconds(shown.last, shown.plotted.span.from), 'x', true));
-  const right = u.bbox.left + u.bbox.width;
+function drawBehind(c: Pen, field: Field, shown: Shown, theme: Theme): void {
+  const x = Math.max(field.left, field.x(seconds(shown.last, shown.plotted.span.from)));
+  const right = field.left + field.width;
   if (x >= right) return;
-  u.ctx.save();
-  u.ctx.globalAlpha = 0.35;
-  u.ctx.fillStyle = hatching(u.ctx, theme.predicted);
-  u.ctx.fillRect(x, u.bbox.top, right - x, u.bbox.height);
-  u.ctx.restore();
+  c.save();
+  c.globalAlpha = 0.35;
+  c.fillStyle = hatching(c, theme.predicted);
+  c.fillRect(x, field.top, right - x, field.height);
+  c.restore();
+}
+
+function drawAxes(c: Pen, field: Field, u: uPlot, shown: Shown, theme: Theme): void {
+  const { left, top, width, height } = field;
+  c.font = kFont;
+  c.textBaseline = 'middle';
+  for (const tick of ticksOf(shown.view, width, 84)) {
+    const x = field.x(seconds(tick.time, shown.plotted.span.from));
+    c.fillStyle = theme.stripe;
+    c.fillRect(x - 0.5, top, 1, height);
+    c.fillStyle = theme.dim;
+    c.textAlign = 'center';
+    c.fillText(tick.label, x, top + height + 13);
+  }
+  c.textAlign = 'end';
+  for (const value of splitsOf(u.scales.y!.min ?? 0, u.scales.y!.max ?? 1, height / 46)) {
+    c.fillStyle = theme.stripe;
+    c.fillRect(left, field.y(value) - 0.5, width, 1);
+    c.fillStyle = theme.dim;
+    c.fillText(formatNumber(value), left - 8, field.y(value));
+  }
+  c.textAlign = 'start';
+}
+
+function drawLines(c: Pen, field: Field, shown: Shown, theme: Theme): void {
+  const { plotted } = shown;
+  const [from, to] = [shown.view.from, shown.view.to].map((time) => seconds(time, plotted.span.from)) as [number, number];
+  const pixel = (to - from) / Math.max(1, field.width);
+  clipTo(c, field);
+  plotted.paths.forEach((path, i) => {
+    if (!shown.isShown(path)) return;
+    const { colour, dash } = styleOf(i, theme);
+    c.strokeStyle = colour;
+    c.lineWidth = 1.4;
+    c.setLineDash(dash);
+    c.beginPath();
+    let isOn = false;
+    plotted.y[i]!.forEach((value, j) => {
+      const at = plotted.x[j]!;
+      if (value === null) isOn = false;
+      if (value === null || value === undefined || at < from - 4 * pixel || at > to + 4 * pixel) return;
+      if (isOn) c.lineTo(field.x(at), field.y(value));
+      else c.moveTo(field.x(at), field.y(value));
+      isOn = true;
+    });
+    c.stroke();
+  });
+  c.setLineDash([]);
+  c.restore();
+}
+
+/** Draws what a chart shows as a picture of its own, with the names of its series above it. */
+export function drawChart(c: Pen, u: uPlot, shown: Shown, labels: readonly string[], title: string, theme: Theme): void {
+  c.fillStyle = theme.panel;
+  c.fillRect(0, 0, u.width, u.height + kTitleHeight);
+  c.textBaseline = 'middle';
+  c.font = `600 ${kFont}`;
+  c.fillStyle = theme.ink;
+  c.fillText(title, 8, 11);
+  c.font = kFont;
+  let x = 8;
+  shown.plotted.paths.forEach((path, i) => {
+    if (!shown.isShown(path)) return;
+    c.fillStyle = styleOf(i, theme).colour;
+    c.fillRect(x, 26.5, 12, 3);
+    c.fillStyle = theme.ink;
+    c.fillText(labels[i] ?? path, x + 17, 28);
+    x += 32 + c.measureText(labels[i] ?? path).width;
+  });
+  const field = inFile(u);
+  c.save();
+  c.translate(0, kTitleHeight);
+  drawAxes(c, field, u, shown, theme);
+  drawBehind(c, field, shown, theme);
+  drawLines(c, field, shown, theme);
+  drawForeseen(c, field, shown, theme);
+  c.restore();
 }
 
 /** Makes a chart in `element`; `shown()` is asked again for every drawing. */
@@ -99,7 +199,7 @@ export function createChart(element: HTMLElement, width: number, height: number,
       const { colour, dash } = styleOf(i, theme);
       return { label: path, stroke: colour, width: 1.4, dash, points: { show: false }, spanGaps: false, show: shown().isShown(path) };
     })],
-    hooks: { drawClear: [(u) => drawBehind(u, shown(), theme)], draw: [(u) => drawForeseen(u, shown(), theme)] },
+    hooks: { drawClear: [(u) => drawBehind(u.ctx, onCanvas(u), shown(), theme)], draw: [(u) => drawForeseen(u.ctx, onCanvas(u), shown(), theme)] },
   }, dataOf(shown().plotted), element);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { abscissae, pointsOf, rangeOf, usualStep, valueAt, type Plotted } from './data';
+import { abscissae, pointsOf, rangeOf, usualStep, valueAt, type Plotted, splitsOf } from './data';
 import { horizonsUpTo } from './future';
 
 const series = (last: number[], min = last, max = last) => ({ min: Float32Array.from(min), max: Float32Array.from(max), last: Float32Array.from(last) });
@@ -49,5 +49,14 @@ describe('points of a plot', () => {
   it('of the future have even steps up to the horizon', () => {
     expect(horizonsUpTo(900n, 3)).toEqual([300n, 600n, 900n]);
     expect(horizonsUpTo(2n, 4)).toEqual([1n, 1n, 2n]);
+  });
+});
+
+describe('values on an axis', () => {
+  it('are round and inside', () => {
+    expect(splitsOf(-0.07, 1.02, 8)).toEqual([0, 0.2, 0.4, 0.6000000000000001, 0.8, 1]);
+    expect(splitsOf(99, 401, 3)).toEqual([200, 400]);
+    expect(splitsOf(1, 1, 5)).toEqual([]);
+    expect(splitsOf(NaN, 1, 5)).toEqual([]);
   });
 });

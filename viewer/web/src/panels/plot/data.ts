@@ -106,3 +106,13 @@ export function rangeOf(plotted: Plotted, visible: Span, more: readonly number[]
   const air = (high - low || Math.abs(high) || 1) * 0.06;
   return [low - air, high + air];
 }
+
+/** Round values between two, about `count` of them. */
+export function splitsOf(low: number, high: number, count: number): number[] {
+  const rough = (high - low) / Math.max(1, count);
+  if (!(rough > 0) || !Number.isFinite(rough)) return [];
+  const unit = 10 ** Math.floor(Math.log10(rough));
+  const step = unit * ([1, 2, 5, 10].find((factor) => factor * unit >= rough) ?? 10);
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.max(0, Math.floor(high / step) - first + 1) }, (_, i) => (first + i) * step);
+}

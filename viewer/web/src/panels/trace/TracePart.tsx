@@ -8,6 +8,10 @@ import { isMoving } from '../../state/moving';
 import { createRequest } from '../../state/request';
 import { setOption, type Panel } from '../../state/store';
 import { formatDuration } from '../../time/format';
+import { downloadSvg } from '../../ui/download';
+import { IconButton } from '../../ui/Icon';
+import { svgOf } from '../../ui/svgOf';
+import { theme } from '../../ui/theme';
 import { followLinks, keyOfId, kMaxDepth, kMaxNodes, type Trace, type TraceEdge } from './follow';
 import { arrowPath, kNodeHeight, kNodeWidth, neighbourOf, placeTrace, type PlacedNode } from './layout';
 
@@ -105,12 +109,13 @@ function Graph(props: { trace: Trace; isWhole: boolean }) {
           )}</For>
         </svg>
       </div>
-      <Show when={props.isWhole && (props.trace.isCut || props.trace.omitted > 0 || problems() > 0)}>
-        <p class="trace-hint">
+      <div class="trace-foot">
+        <p class="trace-hint" hidden={!props.isWhole}>
           <Show when={props.trace.isCut || props.trace.omitted > 0}>Cut off: {props.trace.omitted > 0 ? `${props.trace.omitted} more links are not shown; ` : ''}at most {kMaxDepth} links far and {kMaxNodes} snapshots are followed. </Show>
           <Show when={problems() > 0}>The links of {problems()} of them could not be read.</Show>
         </p>
-      </Show>
+        <IconButton icon="pen-tool" label="Save the trace as SVG" onClick={() => downloadSvg(svgOf(host, `Trace of ${props.trace.root}`, theme().panel), 'trace.svg')} />
+      </div>
     </>
   );
 }
