@@ -10,9 +10,10 @@ import { watchLive } from './state/live';
 import { watchMoving } from './state/moving';
 import { watchPlay } from './state/play';
 import { failure, isReady, isSettled, start, watchAddress } from './state/start';
-import { info, notice, panels, revealed, type Panel } from './state/store';
+import { heightOf, info, isSide, notice, panels, revealed, type Panel } from './state/store';
 import { Timeline } from './timeline/Timeline';
 import { HelpDialog, SearchDialog, TimeDialog } from './ui/Dialogs';
+import { dropSide } from './ui/drag';
 import { Header } from './ui/Header';
 import { Empty } from './ui/PanelFrame';
 import { keyOf } from './ui/keys';
@@ -40,12 +41,13 @@ function AnyPanel(props: { panel: Panel }) {
 
 /** Panels by key, so that a changed option neither builds a panel anew nor makes others ask again. */
 function Panels(props: { isSide: boolean }) {
-  const keys = () => panels().filter((panel) => (panel.kind === 'inspector' || panel.kind === 'similar') === props.isSide).map((panel) => panel.key);
+  const keys = () => panels().filter((panel) => isSide(panel.kind) === props.isSide).map((panel) => panel.key);
   return (
     <For each={keys()}>{(key) => {
       const first = panels().find((panel) => panel.key === key)!;
       const panel = createMemo<Panel>((before) => panels().find((other) => other.key === key) ?? before, first);
-      return <div class={`slot slot-${first.kind}`} data-key={key}><AnyPanel panel={panel()} /></div>;
+      const height = () => { const given = heightOf(key); return given === undefined ? undefined : `${given}px`; };
+      return <div class={`slot slot-${first.kind}`} classList={{ 'drop-before': dropSide(key) === 'before', 'drop-after': dropSide(key) === 'after', sized: height() !== undefined }} style={{ height: height(), 'min-height': height() }} data-key={key}><AnyPanel panel={panel()} /></div>;
     }}</For>
   );
 }
@@ -73,8 +75,8 @@ export function App() {
     addEventListener('keydown', onKey);
     onCleanup(() => removeEventListener('keydown', onKey));
   });
-  const hasSide = () => panels().some((panel) => panel.kind === 'inspector' || panel.kind === 'similar');
-  const hasMain = () => panels().some((panel) => panel.kind !== 'inspector' && panel.kind !== 'similar');
+  const hasSide = () => panels().some((panel) => isSide(panel.kind));
+  const hasMain = () => panels().some((panel) => !isSide(panel.kind));
   return (
     <Show when={!failure()} fallback={<main class="refused"><h1>Engram viewer</h1><p role="alert">{failure()}</p><button onClick={() => void start()}>Try again</button></main>}>
       <Show when={isReady()} fallback={<main class="refused"><p role="status">Opening the memory ...</p></main>}>

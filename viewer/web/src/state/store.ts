@@ -6,7 +6,7 @@ import type { Info, TreeNode } from '../api/types';
 import { clampTime, homeOf, limitsOf, showing, within, type Span } from '../time/span';
 import type { PanelKind, PanelState, ViewState } from './url';
 
-export interface Panel extends PanelState {
+export interface Panel extends Omit<PanelState, 'height'> {
   /** Names the panel while the page lives, whatever its place. */
   readonly key: number;
 }
@@ -105,15 +105,48 @@ export function updatePanel(key: number, change: Partial<PanelState>): void {
 
 export const setOption = (panel: Panel, key: string, value: string): void => updatePanel(panel.key, { options: { ...panel.options, [key]: value } });
 
-/** Moves a panel before or behind another one. */
-export function movePanel(key: number, by: number): void {
+/** The inspector and similar moments stand beside the other panels. */
+export const isSide = (kind: PanelKind): boolean => kind === 'inspector' || kind === 'similar';
+
+/** The panels that one can change places with, itself included. */
+export function neighboursOf(key: number): readonly Panel[] {
+  const own = panels().find((panel) => panel.key === key);
+  return own ? panels().filter((panel) => isSide(panel.kind) === isSide(own.kind)) : [];
+}
+
+/** Moves a panel to the place of another one, which moves on towards where it came from. */
+export function takePlace(key: number, target: number): void {
   const next = [...panels()];
-  const from = next.findIndex((panel) => panel.key === key);
-  const to = Math.max(0, Math.min(next.length - 1, from + by));
-  const [moved] = next.splice(from, 1);
-  if (moved) next.splice(to, 0, moved);
+  const [from, to] = [key, target].map((one) => next.findIndex((panel) => panel.key === one)) as [number, number];
+  if (from < 0 || to < 0) return;
+  next.splice(to, 0, ...next.splice(from, 1));
   setPanels(next);
 }
+
+/** Moves a panel `by` places forward or back; false if it stands at the end. */
+export function movePanel(key: number, by: number): boolean {
+  const all = neighboursOf(key);
+  const target = all[all.findIndex((panel) => panel.key === key) + by];
+  if (target) takePlace(key, target.key);
+  return target !== undefined;
+}
+
+/** Heights that a person gave to panels, by their keys. They are apart, so that no panel asks again for them. */
+const [heights, setHeights] = createSignal<ReadonlyMap<number, number>>(new Map());
+export const kPanelRange = { min: 120, max: 2000 } as const;
+export const kTimelineRange = { min: 140, max: 900 } as const;
+export const heightOf = (key: number): number | undefined => heights().get(key);
+
+/** Null gives back the height that a panel has by itself. */
+export function setHeight(key: number, height: number | null): void {
+  const next = new Map(heights());
+  if (height === null) next.delete(key);
+  else next.set(key, height);
+  setHeights(next);
+}
+
+/** Null: a part of the window. */
+export const [timelineHeight, setTimelineHeight] = createSignal<number | null>(null);
 
 let noticeTimer: ReturnType<typeof setTimeout> | undefined;
 
@@ -126,7 +159,8 @@ export function say(text: string): void {
 
 export const currentState = (): ViewState => ({
   cursor: cursor(), view: view(), ...(selection() ? { selection: selection()! } : {}), selected: selected(), collapsed: [...collapsed()],
-  panels: panels().map(({ kind, entity, paths, options }) => ({ kind, entity, paths, options })),
+  panels: panels().map(({ key, kind, entity, paths, options }) => ({ kind, entity, paths, options, ...(heights().has(key) ? { height: heights().get(key)! } : {}) })),
+  ...(timelineHeight() === null ? {} : { timeline: timelineHeight()! }),
 });
 
 export function applyState(state: ViewState): void {
@@ -136,6 +170,11 @@ export function applyState(state: ViewState): void {
     setSelection(state.selection ?? null);
     if (state.selected !== undefined) setSelected(state.selected);
     if (state.collapsed) setCollapsed(new Set(state.collapsed));
-    if (state.panels) setPanels(state.panels.map((panel) => ({ ...panel, key: nextKey++ })));
+    const inRange = (height: number, range: { min: number; max: number }) => Math.max(range.min, Math.min(range.max, height));
+    setTimelineHeight(state.timeline === undefined ? null : inRange(state.timeline, kTimelineRange));
+    if (!state.panels) return;
+    const opened = state.panels.map(({ height, ...panel }) => ({ panel: { ...panel, key: nextKey++ }, height }));
+    setHeights(new Map(opened.flatMap(({ panel, height }) => (height === undefined ? [] : [[panel.key, inRange(height, kPanelRange)] as const]))));
+    setPanels(opened.map(({ panel }) => panel));
   });
 }

@@ -11,9 +11,11 @@ const state: ViewState = {
   panels: [
     { kind: 'images', entity: 'Vision/RGB/head/stereo', paths: [], options: { m: 'blink', i: '1' } },
     { kind: 'plot', entity: 'Robot State/ü/a/b', paths: ['positions[3]', 'pose/position[0]', 'm[1,2]'], options: {} },
-    { kind: 'plot', entity: 'A/B/C/D', paths: ['', '.'], options: {} },
+    { kind: 'plot', entity: 'A/B/C/D', paths: ['', '.'], options: {}, height: 412 },
+    { kind: 'map', entity: 'A/B/C/D', paths: [], options: { colour: 'recording' } },
     { kind: 'query', entity: '', paths: [], options: { q: "?ids Vision/.* @ last:2s, latest ; 'x' ~ & = %" } },
   ],
+  timeline: 250,
 };
 
 describe('the address', () => {
@@ -32,6 +34,7 @@ describe('the address', () => {
     expect(decodeState('#2&t=abc')).toEqual({});
     expect(decodeState('#1&t=ZZ&v=1.0&v=.&p=bomb~x;plot~%E0%A4%A~a')).toEqual({ panels: [{ kind: 'plot', entity: '', paths: ['a'], options: {} }] });
     expect(decodeState('#1&t=zzzzzzzzzzzzz')).toEqual({}); // more than 64 bits
+    expect(decodeState('#1&h=tall&p=plot~A~a~height.1e3')).toEqual({ panels: [{ kind: 'plot', entity: 'A', paths: ['a'], options: {} }] });
     expect(decodeState('')).toEqual({});
     expect(decodeState('#1&&&==&p')).toMatchObject({});
   });

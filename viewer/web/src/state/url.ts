@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole view as a short text behind '#', so that a copied link shows the same elsewhere.
 //
-// Form, version 1: `#1&t=CURSOR&v=FROM.LENGTH&r=FROM.LENGTH&s=ENTITY&c=ID,ID&p=PANEL;PANEL`; times are
-// base 36; a panel is `kind~entity~path,path~key.value,key.value`, and `.` the path of a whole value. What cannot be read is left out,
+// Form, version 1: `#1&t=CURSOR&v=FROM.LENGTH&r=FROM.LENGTH&s=ENTITY&c=ID,ID&h=HEIGHT&p=PANEL;PANEL`; times are
+// base 36; a panel is `kind~entity~path,path~key.value,key.value`, and `.` the path of a whole value; its key `height` and `h` of the timeline are in pixels. What cannot be read is left out,
 // so that a link of another version still opens.
 import type { Span } from '../time/span';
 
@@ -14,6 +14,8 @@ export interface PanelState {
   readonly entity: string;
   readonly paths: readonly string[];
   readonly options: Readonly<Record<string, string>>;
+  /** In pixels; absent where it is automatic. */
+  readonly height?: number;
 }
 
 export interface ViewState {
@@ -23,6 +25,8 @@ export interface ViewState {
   readonly selected?: string;
   readonly collapsed?: readonly string[];
   readonly panels?: readonly PanelState[];
+  /** Height of the timeline in pixels; absent where it is automatic. */
+  readonly timeline?: number;
 }
 
 /** The path of a value that is a number or an image itself is empty, which a list cannot hold. */
@@ -56,8 +60,11 @@ function readSpan(text: string | undefined): Span | undefined {
   return from !== undefined && length !== undefined && length > 0n ? { from, to: from + length } : undefined;
 }
 
+const kHeight = 'height';
+const readHeight = (text: string | undefined): number | undefined => (text !== undefined && /^\d{1,4}$/.test(text) ? Number(text) : undefined);
+
 function panelText(panel: PanelState): string {
-  const options = Object.entries(panel.options).map(([key, value]) => `${escape(key)}.${escape(value)}`);
+  const options = Object.entries({ ...panel.options, ...(panel.height === undefined ? {} : { [kHeight]: String(panel.height) }) }).map(([key, value]) => `${escape(key)}.${escape(value)}`);
   const parts = [panel.kind, escape(panel.entity), panel.paths.map((path) => escape(path) || kWhole).join(','), options.join(',')];
   while (parts.length > 1 && parts[parts.length - 1] === '') parts.pop();
   return parts.join('~');
@@ -67,11 +74,14 @@ function readPanel(text: string): PanelState | undefined {
   const [kind, entity = '', paths = '', options = ''] = text.split('~');
   if (!kPanelKinds.includes(kind as PanelKind)) return undefined;
   const list = (joined: string) => joined.split(',').filter((part) => part !== '');
+  const { [kHeight]: tall, ...own } = Object.fromEntries(list(options).map((pair) => pair.split('.')).filter((pair) => pair.length === 2).map(([key, value]) => [unescape(key!), unescape(value!)]));
+  const height = readHeight(tall);
   return {
     kind: kind as PanelKind,
     entity: unescape(entity),
     paths: list(paths).slice(0, 32).map((path) => (path === kWhole ? '' : unescape(path))),
-    options: Object.fromEntries(list(options).map((pair) => pair.split('.')).filter((pair) => pair.length === 2).map(([key, value]) => [unescape(key!), unescape(value!)])),
+    options: own,
+    ...(height === undefined ? {} : { height }),
   };
 }
 
@@ -82,6 +92,7 @@ export function encodeState(state: ViewState): string {
   if (state.selection) parts.push(`r=${spanText(state.selection)}`);
   if (state.selected) parts.push(`s=${escape(state.selected)}`);
   if (state.collapsed?.length) parts.push(`c=${state.collapsed.map(escape).join(',')}`);
+  if (state.timeline !== undefined) parts.push(`h=${state.timeline}`);
   if (state.panels) parts.push(`p=${state.panels.map(panelText).join(';')}`);
   return `#${parts.join('&')}`;
 }
@@ -100,6 +111,8 @@ export function decodeState(hash: string): ViewState {
   if (selection) state.selection = selection;
   if (fields.get('s')) state.selected = unescape(fields.get('s')!);
   if (fields.get('c')) state.collapsed = fields.get('c')!.split(',').map(unescape);
+  const timeline = readHeight(fields.get('h'));
+  if (timeline !== undefined) state.timeline = timeline;
   if (panels !== undefined) state.panels = panels.split(';').map(readPanel).filter((panel) => panel !== undefined).slice(0, 32);
   return state;
 }

@@ -40,6 +40,8 @@ export function HelpDialog(props: { keys: readonly Key[]; onClose: () => void })
           <dt>shift + wheel</dt><dd>move in time</dd>
           <dt>alt + wheel</dt><dd>scroll the lanes</dd>
           <dt>click</dt><dd>put the cursor there and choose the lane</dd>
+          <dt>drag a title bar</dt><dd>change the order of panels; on a title bar that has the focus, alt + shift + arrow does it, too</dd>
+          <dt>drag a lower edge</dt><dd>change the height of a panel or of the timeline; arrow keys do it, too, and a double click undoes it</dd>
           <dt>behind the end</dt><dd>the hatched part is the future: a cursor there predicts</dd>
         </dl>
       </div>

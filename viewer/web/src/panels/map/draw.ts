@@ -13,8 +13,11 @@ export interface Point {
 
 const kMargin = 16;
 
-/** How large points are: smaller where many share a small picture. */
-export const radiusFor = (count: number, width: number, height: number): number => Math.max(1.5, Math.min(3.2, 0.33 * Math.sqrt((width * height) / Math.max(1, count))));
+/** How large points are: smaller where many share a small picture. A map fills a long picture in its middle alone. */
+export function radiusFor(count: number, width: number, height: number): number {
+  const area = Math.min(width, 1.5 * height) * Math.min(height, 1.5 * width);
+  return Math.max(1.5, Math.min(3.2, 0.33 * Math.sqrt(area / Math.max(1, count))));
+}
 
 /** Pixels of the moments: one scale for both directions, because distances are what a map tells. */
 export function placesOf(map: MemoryMap, width: number, height: number): Point[] {
