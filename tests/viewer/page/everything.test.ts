@@ -149,6 +149,14 @@ describe('accessibility', () => {
     await page.locator('.thumb canvas').first().waitFor();
     expect(await violations(page)).toEqual([]);
     for (const key of ['n', 'q', '3']) await page.keyboard.press(key);
+    await choose(page, 'stereo');
+    await page.keyboard.press('m');
+    await page.locator('details.trace summary').click();
+    await page.locator('.trace-node').first().waitFor();
+    await page.locator('.quality-bar').first().waitFor();
+    await page.locator('.map-canvas').focus();
+    await page.keyboard.press('ArrowLeft');
+    await page.locator('[data-panel=map]').getByRole('button', { name: 'Recording' }).click();
     await page.locator('[data-panel=plot]').first().getByRole('button', { name: 'Show as a table' }).click();
     await page.locator('[data-panel=plot]').nth(1).getByRole('button', { name: 'Choose series' }).click();
     await page.locator('[data-panel=nights] tbody tr').first().waitFor();

@@ -84,7 +84,9 @@ function Graph(props: { trace: Trace; isWhole: boolean }) {
     event.stopPropagation();
   };
   const told = (edge: TraceEdge) => `${node(edge.effect).id} links to ${node(edge.cause).id}${edge.paths.length > 0 ? `\n${edge.paths.join(', ')}` : ''}`;
-  const label = (one: PlacedNode) => `${one.key === props.trace.root ? 'This snapshot' : 'Go to'} ${one.id}, ${awayOf(one.id, node(props.trace.root).id)}${one.problem ? `; its links are not known: ${one.problem}` : !one.isFollowed && props.isWhole && parseId(one.id).time !== undefined ? '; not followed further' : ''}`;
+  const below = (one: PlacedNode) => (one.problem ? 'links not known' : one.key === props.trace.root ? 'this snapshot' : awayOf(one.id, node(props.trace.root).id));
+  // Begins with what is written in the node, as those who speak to their browser need it.
+  const label = (one: PlacedNode) => `${shorten(titleOf(one.id))} ${below(one)}, ${one.key === props.trace.root ? '' : 'go to '}${one.id}${one.problem ? `; its links are not known: ${one.problem}` : !one.isFollowed && props.isWhole && parseId(one.id).time !== undefined ? '; not followed further' : ''}`;
   const problems = () => props.trace.nodes.filter((one) => one.problem !== '').length;
   return (
     <>
@@ -103,8 +105,7 @@ function Graph(props: { trace: Trace; isWhole: boolean }) {
               aria-current={one.key === props.trace.root ? 'true' : undefined} onClick={() => go(one)} onFocus={() => setCurrent(one.key)} onKeyDown={(event) => onKey(event, one)} transform={`translate(${one.x} ${one.y})`}>
               <title>{label(one)}</title>
               <rect width={kNodeWidth} height={kNodeHeight} rx="6" />
-              <text class="trace-name" x="8" y="14">{shorten(titleOf(one.id))}</text>
-              <text class="trace-away" x="8" y="27">{one.problem ? 'links not known' : one.key === props.trace.root ? 'this snapshot' : awayOf(one.id, node(props.trace.root).id)}</text>
+              <text><tspan class="trace-name" x="8" y="14">{shorten(titleOf(one.id))}</tspan>{' '}<tspan class="trace-away" x="8" y="27">{below(one)}</tspan></text>
             </g>
           )}</For>
         </svg>
