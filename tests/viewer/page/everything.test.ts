@@ -304,6 +304,40 @@ describe('a memory that records', () => {
     expect(await cursorOf(page)).toBe(cursor);
   });
 
+  it('puts what came in the place of what was predicted, and says how wrong that was', async () => {
+    const { page } = await visit({ intercept: (url) => (url.pathname === '/api/info' ? liveInfo() : null) });
+    await page.getByRole('button', { name: 'Live', exact: true }).waitFor();
+    await choose(page, 'joints');
+    // A commit comes every 500 ms.
+    await goTo(page, String((await cursorOf(page)) + 6_900_000_000n));
+    const inspector = page.getByLabel(/^Inspector/);
+    const source = inspector.locator('.facts').first().locator('.source');
+    await expect.poll(() => source.textContent(), { timeout: 5000 }).toBe('predicted');
+    const cursor = await cursorOf(page);
+    await expect.poll(() => source.textContent(), { timeout: 12_000 }).toBe('recorded');
+    const part = inspector.getByLabel('What was predicted');
+    await part.getByText(/Predicted \d+(\.\d+)? m?s ahead by related; recorded at 07:\d\d:\d\d\.\d{3}, 100 ms after that time\. \d+ of 86 numbers within the bound \(90 %\)\./).waitFor();
+    expect(await part.locator('tbody tr').count()).toBe(8);
+    const cells = await part.locator('tbody tr').first().locator('td').allTextContents();
+    expect(Math.abs(Number(cells[0]) - Number(cells[1]))).toBeCloseTo(Number(cells[2]), 3);
+    expect(['within the bound', 'outside']).toContain(cells[3]);
+    expect(await page.locator('.notice').textContent()).toMatch(/^What was predicted has come\. /);
+    await part.getByRole('button', { name: /^and \d+ more$/ }).click();
+    expect(await part.locator('tbody tr').count()).toBe(86);
+    expect(await cursorOf(page)).toBe(cursor);
+    await page.keyboard.press('Home');
+    await expect.poll(() => part.count()).toBe(0);
+  });
+
+  it('asks nothing for what is committed behind the cursor', async () => {
+    const { page, mock } = await visit({ hash: `#1&t=${(kStart + 728_250_000_007n).toString(36)}&s=RobotState/Proprioception/robot/joints&p=inspector`, intercept: (url) => (url.pathname === '/api/info' ? liveInfo() : null) });
+    await page.getByRole('button', { name: 'Follow', exact: true }).waitFor();
+    await page.waitForTimeout(600);
+    mock.state.requests.length = 0;
+    await page.waitForTimeout(1600);
+    expect(mock.state.requests.filter((request) => request.startsWith('/api/moment'))).toEqual([]);
+  });
+
   it('is followed, and pauses when somebody looks back', async () => {
     const { page } = await visit({
       intercept: (url) => (url.pathname === '/api/info' ? liveInfo() : null),

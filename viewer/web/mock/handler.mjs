@@ -5,6 +5,7 @@ import { kEntities, kFirst, kHorizonNs, kLast, kStart, formOf, isRecorded, lower
 import { membersOf, seriesValue } from './values.mjs';
 import { entityOf, linksOf, mapOf, momentAt, predicted, Refusal, similarTo, snapshotAt, splitId } from './moments.mjs';
 import { depthOf, errorMap, psnr, reconstruct, scene } from './paint.mjs';
+import { kRecording } from './live.mjs';
 import { png } from './png.mjs';
 import { tree } from './tree.mjs';
 
@@ -89,16 +90,25 @@ function image(query) {
   return { type: 'image/png', body: png(128, 128, pixels), headers };
 }
 
-function predict(query) {
-  const entity = entityOf(need(query, 'entity'));
+/** An entity with what was committed since the memory was opened. */
+function grown(entity, committed) {
+  if (entity.id !== kRecording || committed.length === 0) return entity;
+  const times = new Float64Array(entity.times.length + committed.length);
+  times.set(entity.times);
+  times.set(committed, entity.times.length);
+  return { ...entity, times };
+}
+
+function predict(query, committed) {
+  const entity = grown(entityOf(need(query, 'entity')), committed);
   const at = query.get('at');
   const index = at === null ? entity.times.length - 1 : lowerBound(entity.times, Number(BigInt(at) - kStart) + 1) - 1;
   if (index < 0) throw new Refusal(404, 'not found', `entity '${entity.id}' has nothing to predict from at ${at}`);
   return json(need(query, 'horizon').split(',').map((horizon) => predicted(entity, index, Number(horizon))));
 }
 
-function step(query) {
-  const entity = entityOf(need(query, 'entity'));
+function step(query, committed) {
+  const entity = grown(entityOf(need(query, 'entity')), committed);
   const offset = Number(BigInt(need(query, 'at')) - kStart);
   const by = Number(need(query, 'by'));
   const here = lowerBound(entity.times, by > 0 ? offset + 1 : offset);
@@ -174,15 +184,15 @@ const routes = {
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),
   members: (query) => json({ members: membersOf(entityOf(need(query, 'entity'))) }),
-  moment: (query) => json(momentAt(entityOf(need(query, 'entity')), BigInt(need(query, 'at')), query.get('which') ?? 'at-or-before')),
+  moment: (query, committed) => json(momentAt(grown(entityOf(need(query, 'entity')), committed), BigInt(need(query, 'at')), query.get('which') ?? 'at-or-before')),
 };
 
-/** Answers a URL below /api/: {status, type, body, headers}. */
-export function answer(url) {
+/** Answers a URL below /api/: {status, type, body, headers}. `committed` are offsets of what came since. */
+export function answer(url, committed = []) {
   const route = routes[url.pathname.slice('/api/'.length)];
   try {
     if (!route) throw new Refusal(404, 'not found', `nothing is at ${url.pathname}`);
-    return { status: 200, headers: {}, ...route(url.searchParams) };
+    return { status: 200, headers: {}, ...route(url.searchParams, committed) };
   } catch (error) {
     const refusal = error instanceof Refusal ? error : new Refusal(400, 'invalid argument', String(error.message));
     return { status: refusal.status, type: 'application/json', headers: {}, body: JSON.stringify({ error: { code: refusal.code, message: refusal.message } }) };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A WebSocket that tells of commits, as a server with a robot would; text frames alone.
 import { createHash } from 'node:crypto';
-import { kLast } from './world.mjs';
+import { kLast, kStart } from './world.mjs';
 
 const kGuid = '258EAFA5-E914-47DA-95CA-C5AB0DC85B11';
 
@@ -11,8 +11,11 @@ function frame(text) {
   return Buffer.concat([head, body]);
 }
 
-/** Takes an upgraded connection and tells of one commit every `periodMs`. */
-export function acceptLive(request, socket, periodMs = 500) {
+/** The entity that is recorded while somebody looks. */
+export const kRecording = 'RobotState/Proprioception/robot/joints';
+
+/** Takes an upgraded connection and tells of one commit every `periodMs`; `committed` gets their offsets in nanoseconds. */
+export function acceptLive(request, socket, committed = [], periodMs = 500) {
   const key = request.headers['sec-websocket-key'];
   if (!key) return socket.destroy();
   const accept = createHash('sha1').update(key + kGuid).digest('base64');
@@ -20,7 +23,9 @@ export function acceptLive(request, socket, periodMs = 500) {
   let last = kLast;
   const timer = setInterval(() => {
     last += BigInt(periodMs) * 1_000_000n;
-    socket.write(frame(JSON.stringify({ kind: 'commit', ids: [`RobotState/Proprioception/robot/joints/${last}`] })));
+    const offset = Number(last - kStart);
+    if (offset > (committed.at(-1) ?? 0)) committed.push(offset);
+    socket.write(frame(JSON.stringify({ kind: 'commit', ids: [`${kRecording}/${last}`] })));
   }, periodMs);
   const stop = () => clearInterval(timer);
   socket.on('close', stop);

@@ -24,7 +24,7 @@ export async function startMock({ port = 0, intercept = () => null, delayMs = 0 
   const token = randomBytes(12).toString('hex');
   const table = assets();
   const page = readFileSync(new URL('index.html', kDist));
-  const state = { intercept, delayMs, requests: [] };
+  const state = { intercept, delayMs, requests: [], committed: [] };
   const server = createServer(async (request, response) => {
     const url = new URL(request.url, 'http://127.0.0.1');
     const send = (status, headers, body) => response.writeHead(status, headers).end(body);
@@ -38,10 +38,10 @@ export async function startMock({ port = 0, intercept = () => null, delayMs = 0 
     if (!url.pathname.startsWith('/api/')) return send(404, { 'Content-Type': 'text/plain' }, 'nothing here');
     state.requests.push(url.pathname + url.search);
     if (state.delayMs > 0) await new Promise((done) => setTimeout(done, state.delayMs));
-    const { status, type, body, headers } = state.intercept(url) ?? answer(url);
+    const { status, type, body, headers } = state.intercept(url) ?? answer(url, state.committed);
     send(status, { 'Content-Type': type, 'Cache-Control': 'no-store', ...headers }, body);
   });
-  server.on('upgrade', (request, socket) => acceptLive(request, socket));
+  server.on('upgrade', (request, socket) => acceptLive(request, socket, state.committed));
   await new Promise((done) => server.listen(port, '127.0.0.1', done));
   const address = `http://127.0.0.1:${server.address().port}/`;
   return { url: `${address}?token=${token}`, address, state, close: () => new Promise((done) => { server.closeAllConnections(); server.close(done); }) };

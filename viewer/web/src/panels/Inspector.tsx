@@ -12,6 +12,7 @@ import { IconButton } from '../ui/Icon';
 import { LinkChip } from '../ui/LinkChip';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
 import { SourceTag } from '../ui/SourceTag';
+import { createCame, ForetoldPart } from './foretold/ForetoldPart';
 import { TracePart } from './trace/TracePart';
 import { describe } from './values';
 
@@ -30,6 +31,7 @@ export function Inspector(props: { panel: Panel }) {
     setSelectedLinks(found ? { id: found.id, ids: [...new Set([...found.to.map((one) => one.id), ...found.from])] } : null);
   });
   onCleanup(() => setSelectedLinks(null));
+  const came = createCame(selected, moment.data);
   const types = createMemo(() => new Map((members.data() ?? []).map((member) => [member.path, member])));
   return (
     <PanelFrame panel={props.panel} icon="list-tree" title="Inspector" entity={selected()} isBusy={moment.isBusy()} error={moment.error() || linked.error()} onRetry={moment.error() ? moment.retry : linked.retry}
@@ -42,6 +44,7 @@ export function Inspector(props: { panel: Panel }) {
         <Show when={moment.data()} fallback={<Show when={!moment.error()}><div class="skeleton tall" /></Show>}>
           {(here) => <>
             <Facts moment={here()} />
+            <Show when={came()}>{(both) => <ForetoldPart came={both()} />}</Show>
             <Show when={ownLinks()}>{(found) => <Chips links={found()} />}</Show>
             <Show when={here().source !== 'predicted'}><TracePart panel={props.panel} id={here().id} /></Show>
             <Index each={here().instances}>{(instance) => (

@@ -5,7 +5,7 @@ import { step } from '../api/types';
 import { formatTime } from '../time/format';
 import { zoom, type Span } from '../time/span';
 import { parseId, queryNames } from './ids';
-import { currentState, cursor, home, info, last, limits, nodeOf, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
+import { currentState, cursor, home, info, last, limits, ownLast, roots, say, selected, selection, setCursor, setSelected, setSelection, setView, view } from './store';
 import { pythonIndex } from './paths';
 import { messageOf } from './request';
 import { encodeState } from './url';
@@ -29,7 +29,7 @@ export async function stepBy(by: number): Promise<void> {
   stepping = true;
   try {
     // Past the last snapshot steps are of 100 ms, because there are no snapshots to step by.
-    if (cursor() > last() || (by > 0 && cursor() >= (nodeOf(entity)?.last ?? last()))) {
+    if (cursor() > last() || (by > 0 && cursor() >= ownLast(entity))) {
       setCursor(cursor() + BigInt(by) * 100_000_000n);
     } else setCursor((await getJson('step', { entity, at: cursor(), by }, step)).time);
   } catch (error) {

@@ -1,29 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 // The snapshot of an entity below the cursor, recorded, reconstructed or predicted.
+import { createMemo } from 'solid-js';
 import { ApiError, getJson } from '../api/client';
 import { members, moment, type Member, type Moment } from '../api/types';
 import { formatTime } from '../time/format';
-import { cursor, info, last, nodeOf } from './store';
+import { cursor, info, last, nodeOf, ownLast } from './store';
 import { createRequest, type Request } from './request';
 
 /** True if the cursor lies where this entity can only be predicted. */
 export function isPredicted(entity: string, at: bigint): boolean {
   const known = info();
-  const own = nodeOf(entity)?.last ?? last();
-  return known !== undefined && at > last() && at - own <= known.max_horizon_ns;
+  return known !== undefined && at > last() && at - ownLast(entity) <= known.max_horizon_ns;
 }
 
-export const createMoment = (entity: () => string, at: () => bigint = cursor): Request<Moment> =>
-  createRequest(() => {
+export function createMoment(entity: () => string, at: () => bigint = cursor): Request<Moment> {
+  const isAhead = createMemo(() => isPredicted(entity(), at()));
+  // A commit before the cursor changes what is below it, and a prediction from it; those behind do not.
+  const newest = createMemo(() => { const own = ownLast(entity()); return own < at() ? own : at(); });
+  return createRequest(() => {
     const id = entity();
+    newest();
     if (id === '' || info() === undefined) return null;
     const time = at();
     const first = nodeOf(id)?.first;
     if (first !== undefined && time < first)
       return { group: `${id} before`, run: () => Promise.reject(new ApiError('not found', `Nothing is known yet at this time: the first snapshot is at ${formatTime(first)}.`)) };
-    const which = isPredicted(id, time) ? 'predict' : 'at-or-before';
+    const which = isAhead() ? 'predict' : 'at-or-before';
     return { group: `${id} ${which}`, run: (signal) => getJson('moment', { entity: id, at: time, which }, moment, signal) };
   });
+}
 
 const known = new Map<string, Promise<Member[]>>();
 

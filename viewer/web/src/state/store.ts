@@ -75,6 +75,16 @@ const index = createMemo(() => {
 });
 
 export const nodeOf = (id: string): TreeNode | undefined => index().get(id);
+
+/** The newest snapshots that a live memory told of, by entity. */
+const [told, setTold] = createSignal<ReadonlyMap<string, bigint>>(new Map());
+export const setLiveLasts = (newest: ReadonlyMap<string, bigint>): void => { setTold(new Map([...told(), ...newest])); };
+
+/** The time of the last snapshot of an entity; that of the memory where nobody told it. */
+export function ownLast(entity: string): bigint {
+  const [live, known] = [told().get(entity), nodeOf(entity)?.last];
+  return live !== undefined && (known === undefined || live > known) ? live : known ?? last();
+}
 export const entities = createMemo(() => [...index().values()].filter((node) => node.level === 'entity'));
 
 /** Puts children that were asked for later into the tree. */

@@ -3,7 +3,7 @@ import type uPlot from 'uplot';
 import { createEffect, createMemo, createSignal, For, on, onCleanup, Show, untrack } from 'solid-js';
 import { createMembers } from '../../state/moment';
 import { createRequest } from '../../state/request';
-import { cursor, hover, info, last, limits, liveLast, nodeOf, setCursor, setHover, setOption, setView, view, type Panel } from '../../state/store';
+import { cursor, hover, info, last, limits, liveLast, ownLast, setCursor, setHover, setOption, setView, view, type Panel } from '../../state/store';
 import { restCursor } from '../../state/moving';
 import { formatNumber } from '../../time/format';
 import { pan, timeAt, zoom } from '../../time/span';
@@ -59,12 +59,14 @@ export function PlotPanel(props: { panel: Panel }) {
     return { group: `${entity} ${paths.join(' ')} ${rough.span.from} ${rough.span.to}`, run: (signal) => askSeries(entity, paths, rough.span, rough.pixels, signal, kWholeMs) };
   });
   const best = createMemo(() => whole.data() ?? plotted.data());
+  // A prediction costs more than a value, so a memory that grows is predicted anew once a second.
+  const newest = createMemo<bigint>((before) => { const own = ownLast(props.panel.entity); return own < before || own - before >= 1_000_000_000n ? own : before; }, 0n);
   // Behind the last snapshot, as far as the screen reaches; or from the cursor, beside what came.
   const foreseen = createRequest<Foreseen>(() => {
     const { entity, paths } = props.panel;
     const most = info()?.max_horizon_ns ?? 0n;
     const isPast = fromHere() && restCursor() > 0n && restCursor() < last();
-    const from = isPast ? restCursor() : (nodeOf(entity)?.last ?? last());
+    const from = isPast ? restCursor() : newest();
     const wanted = isPast ? kReachNs : restView().to - from;
     const reach = wanted < most ? wanted : most;
     if (paths.length === 0 || reach <= 0n) return null;

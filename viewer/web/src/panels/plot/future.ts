@@ -2,7 +2,7 @@
 // Predicted values of the series of a plot, coarse steps first.
 import { getJson } from '../../api/client';
 import { moments, type Moment } from '../../api/types';
-import { arrayPath } from '../../state/paths';
+import { boundOf } from '../foretold/compare';
 import { numberAt } from '../values';
 
 export interface Foreseen {
@@ -19,13 +19,12 @@ export const horizonsUpTo = (reach: bigint, count: number): bigint[] =>
   Array.from({ length: count }, (_, i) => (reach * BigInt(i + 1)) / BigInt(count)).filter((horizon) => horizon > 0n);
 
 function foreseen(answers: readonly Moment[], paths: readonly string[], from: bigint): Foreseen {
-  const bound = (moment: Moment, path: string) => (moment.members.find((member) => member.path === path) ?? moment.members.find((member) => member.path === arrayPath(path)) ?? moment).bound ?? NaN;
   return {
     from: answers[0]?.from ?? from,
     engine: answers[0]?.engine ?? '',
     times: answers.map((moment) => moment.time),
     values: paths.map((path) => answers.map((moment) => numberAt(moment.instances[0]?.data, path))),
-    bounds: paths.map((path) => answers.map((moment) => bound(moment, path))),
+    bounds: paths.map((path) => answers.map((moment) => boundOf(moment, path))),
   };
 }
 
