@@ -51,6 +51,9 @@ export default function MapPanel(props: { panel: Panel }) {
     setSelected(entity());
     setCursor(map()!.times[i]!);
   };
+  // What is told of a moment stays inside of the picture, with a smaller image in a low one.
+  const isSmall = () => size().height < 190;
+  const toldTop = (y: number) => { const height = path() === undefined ? 44 : isSmall() ? 100 : 134; return Math.round(Math.max(2, Math.min(y - height / 2, size().height - height - 2))); };
   const here = () => hovered() ?? pinned() ?? 0;
   const onKey = (event: KeyboardEvent) => {
     if (event.altKey || event.ctrlKey || event.metaKey) return;
@@ -122,7 +125,7 @@ export default function MapPanel(props: { panel: Panel }) {
             <canvas ref={canvas} class="map-canvas" role="slider" tabindex="0" aria-label="Moments of the map, in the order of time" aria-valuemin={0} aria-valuemax={map()!.times.length - 1} aria-valuenow={here()} aria-valuetext={`${formatTime(map()!.times[here()]!)}${recordingOf(here())}`}
               onPointerMove={(event) => point(at(event))} onPointerLeave={() => point(undefined)} onBlur={() => point(undefined)} onClick={(event) => go(at(event))} onKeyDown={onKey} />
             <Show when={hovered() !== undefined && places()[hovered()!]}>{(place) => (
-              <div class="map-told" aria-hidden="true" style={{ transform: `translate(${Math.round(place().x > size().width / 2 ? place().x - 14 : place().x + 14)}px, ${Math.round(place().y)}px) translate(${place().x > size().width / 2 ? '-100%' : '0'}, ${place().y > size().height / 2 ? '-100%' : '0'})` }}>
+              <div class="map-told" aria-hidden="true" classList={{ small: isSmall() }} style={{ transform: `translate(${Math.round(place().x > size().width / 2 ? place().x - 14 : place().x + 14)}px, ${toldTop(place().y)}px) translateX(${place().x > size().width / 2 ? '-100%' : '0'})` }}>
                 <Show when={path() !== undefined}><Thumb id={`${entity()}/${map()!.times[hovered()!]!}`} path={path()} /></Show>
                 <b>{formatClock(map()!.times[hovered()!]!, 3)}</b><span class="muted">{recordingOf(hovered()!).slice(2)}</span>
               </div>

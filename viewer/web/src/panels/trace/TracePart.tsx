@@ -67,6 +67,7 @@ function Graph(props: { trace: Trace; isWhole: boolean }) {
   createEffect(() => {
     const root = node(props.trace.root);
     scroller.scrollLeft = root.x + kNodeWidth / 2 - scroller.clientWidth / 2;
+    scroller.scrollTop = root.y + kNodeHeight / 2 - scroller.clientHeight / 2;
     if (keepsFocus && props.isWhole) { keepsFocus = false; focus(root.key); }
   });
   const go = (one: PlacedNode) => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the nodes of a trace lie: a column for each step from cause to consequence, so that every
 // arrow points to the right.
+import { parseId } from '../../state/ids';
 import type { Trace, TraceNode } from './follow';
 
 export const kNodeWidth = 132;
@@ -47,6 +48,11 @@ function columnsOf(trace: Trace): Map<string, number> {
   return columns;
 }
 
+function byTime(a: string, b: string): number {
+  const [x, y] = [parseId(a).time ?? 0n, parseId(b).time ?? 0n];
+  return x === y ? a.localeCompare(b) : x < y ? -1 : 1;
+}
+
 export function placeTrace(trace: Trace): PlacedTrace {
   const columns = columnsOf(trace);
   const first = Math.min(...columns.values());
@@ -60,7 +66,7 @@ export function placeTrace(trace: Trace): PlacedTrace {
       const near = trace.edges.flatMap((edge) => (edge.cause === node.key ? [edge.effect] : edge.effect === node.key ? [edge.cause] : [])).flatMap((key) => places.get(key) ?? []);
       return near.length === 0 ? 0 : near.reduce((sum, place) => sum + place, 0) / near.length;
     };
-    const list = trace.nodes.filter((node) => columns.get(node.key) === column).map((node) => ({ node, centre: centre(node) })).sort((a, b) => a.centre - b.centre || a.node.id.localeCompare(b.node.id)).map(({ node }) => node);
+    const list = trace.nodes.filter((node) => columns.get(node.key) === column).map((node) => ({ node, centre: centre(node) })).sort((a, b) => a.centre - b.centre || byTime(a.node.id, b.node.id)).map(({ node }) => node);
     list.forEach((node, i) => places.set(node.key, i - (list.length - 1) / 2));
     lists.set(column, list);
   }
