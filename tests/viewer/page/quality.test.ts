@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { choose, cursorOf, kStart, refusal, useBrowser, visit } from './browser';
+import { choose, cursorOf, json, kStart, refusal, useBrowser, visit } from './browser';
 
 useBrowser();
 
@@ -10,7 +10,7 @@ describe('the quality of an entity', () => {
   it('is a distribution whose bars lead to their worst snapshot', async () => {
     const { page } = await visit({ hash: kHash });
     const part = page.getByLabel('Quality of Vision/RGB/head/stereo');
-    await part.getByText(/^64 snapshots compared in both forms\. /).waitFor();
+    await part.getByText(/^64 of 200 snapshots compared in both forms\. /).waitFor();
     const bars = part.locator('.quality-bar');
     expect(await bars.count()).toBeGreaterThan(5);
     expect(await bars.first().getAttribute('aria-label')).toMatch(/^\d\d\.\d to \d\d\.\d dB: \d+ snapshots?; go to the worst of them$/);
@@ -47,6 +47,9 @@ describe('the quality of an entity', () => {
     await choose(page, 'joints');
     await page.getByLabel('Quality of RobotState/Proprioception/robot/joints').getByText(/has no image/).waitFor();
     expect(await page.getByRole('alert').count()).toBe(0);
+    mock.state.intercept = (url) => (url.pathname === '/api/quality' ? json({ entity: 'A/B/C/D', low: 0, step: 0.5, counts: [], compared: 0, asked: 9, unknown: 9, worst: [] }) : null);
+    await choose(page, 'platform');
+    await page.getByText('9 snapshots are kept in both forms, but none of them could be compared').waitFor();
     expect(mock.state.requests.filter((request) => request.startsWith('/api/quality') && request.includes('battery'))).toEqual([]);
   });
 

@@ -158,7 +158,7 @@ function quality(query) {
   const [low, step] = [Math.floor(found[0].psnr * 10) / 10, 0.1];
   const counts = new Array(Math.floor((found.at(-1).psnr - low) / step + 1e-9) + 1).fill(0);
   for (const one of found) counts[Math.floor((one.psnr - low) / step + 1e-9)] += 1;
-  return json({ entity: entity.id, low, step, counts, unknown: 0, compared: count, worst: found.slice(0, 20) });
+  return json({ entity: entity.id, low, step, counts, unknown: 0, compared: count, asked: Math.min(Number(query.get('sample') ?? 100), both.length), worst: found.slice(0, 20) });
 }
 
 function links(query) {

@@ -140,7 +140,7 @@ export function mapOf(entity, max) {
   };
   const codes = offsets.map((offset) => code(offset / 1e9));
   return {
-    entity: entity.id, space: `${entity.kind}-0007`, coded_by: entity.kind.includes('camera') || entity.kind === 'depth' ? 'images' : 'numbers', times: offsets.map((offset) => `${kStart + BigInt(offset)}`),
+    entity: entity.id, known: coded.length, space: `${entity.kind}-0007`, coded_by: entity.kind.includes('camera') || entity.kind === 'depth' ? 'images' : 'numbers', times: offsets.map((offset) => `${kStart + BigInt(offset)}`),
     x: codes.map(([x]) => x), y: codes.map(([, y]) => y), recordings: offsets.map((offset) => recordingAt(offset / 1e9)), explained: 0.41,
   };
 }

@@ -95,6 +95,8 @@ export type Links = d.Of<typeof links>;
 const plainMap = d.object({
   space: d.withDefault(d.string, ''),
   coded_by: d.withDefault(d.string, ''),
+  /** How many moments have a code, of which these are some. */
+  known: d.optional(d.number),
   times: d.list(d.time),
   x: d.list(d.number),
   y: d.list(d.number),
@@ -137,6 +139,8 @@ const plainQuality = d.object({
   counts: d.list(d.number),
   unknown: d.withDefault(d.number, 0),
   compared: d.withDefault(d.number, 0),
+  /** What was to be compared, as far as there was time. */
+  asked: d.optional(d.number),
   worst: d.withDefault(d.list(d.object({ id: d.string, psnr: d.number })), []),
 });
 export type Quality = d.Of<typeof plainQuality>;

@@ -5,7 +5,7 @@ import { isImage, memoryMap, type MemoryMap } from '../../api/types';
 import { createMembers } from '../../state/moment';
 import { createRequest } from '../../state/request';
 import { cursor, setCursor, setHover, setOption, setSelected, type Panel } from '../../state/store';
-import { formatClock, formatNumber, formatTime } from '../../time/format';
+import { formatClock, formatCount, formatNumber, formatTime } from '../../time/format';
 import { download, downloadSvg } from '../../ui/download';
 import { IconButton } from '../../ui/Icon';
 import { Empty, PanelFrame } from '../../ui/PanelFrame';
@@ -103,7 +103,7 @@ export default function MapPanel(props: { panel: Panel }) {
     draw(pen, box().width, box().height);
     downloadSvg(pen, 'map.svg');
   };
-  const told = () => { const found = map()!; return `${found.times.length} moments by ${found.coded_by || 'codes'}${found.explained === undefined ? '' : `, ${Math.round(found.explained * 100)} % of their variance`}`; };
+  const told = () => { const found = map()!; const some = found.known !== undefined && found.known > found.times.length ? ` of ${formatCount(found.known)}` : ''; return `${formatCount(found.times.length)}${some} moments by ${found.coded_by || 'codes'}${found.explained === undefined ? '' : `, ${Math.round(found.explained * 100)} % of their variance`}`; };
   const rows = () => { const all = map()!.times.length; const count = Math.min(all, kMaxRows); return Array.from({ length: count }, (_, i) => Math.floor((i * all) / count)); };
   return (
     <PanelFrame panel={props.panel} icon="chart-scatter" title="Memory map" isBusy={asked.isBusy()} error={asked.error()} onRetry={asked.retry}

@@ -25,7 +25,9 @@ export function QualityPart(props: { entity: string }) {
     }),
   }));
   const found = () => { const answer = asked.data(); return answer && 'counts' in answer ? answer : undefined; };
-  const reason = () => { const answer = asked.data(); return answer && 'reason' in answer ? answer.reason : found()?.compared === 0 ? 'No snapshot is kept in both forms, so there is nothing to compare.' : ''; };
+  /** For which the gateway had no time. */
+  const left = () => { const one = found(); return one?.asked === undefined ? 0 : one.asked - one.compared - one.unknown; };
+  const reason = () => { const answer = asked.data(); return answer && 'reason' in answer ? answer.reason : found()?.compared === 0 ? nothingOf(found()!) : ''; };
   return (
     <section class="quality" aria-label={`Quality of ${props.entity}`}>
       <h3>Quality <span class="muted">{props.entity}</span></h3>
@@ -33,7 +35,7 @@ export function QualityPart(props: { entity: string }) {
       <Show when={asked.data()} fallback={<Show when={!asked.error()}><div class="skeleton quality-wait" /></Show>}>
         <Show when={reason() === ''} fallback={<p class="muted">{reason()}</p>}>
           <Distribution found={found()!} />
-          <p class="muted">{formatCount(found()!.compared)} snapshots compared in both forms{found()!.unknown > 0 ? `, ${formatCount(found()!.unknown)} could not be` : ''}. A bar leads to its worst snapshot.</p>
+          <p class="muted">{formatCount(found()!.compared)}{left() > 0 ? ` of ${formatCount(found()!.asked!)}` : ''} snapshots compared in both forms{found()!.unknown > 0 ? `, ${formatCount(found()!.unknown)} could not be` : ''}. A bar leads to its worst snapshot.</p>
           <ol class="worst" aria-label="Worst snapshots">
             <For each={[...found()!.worst].sort((a, b) => a.psnr - b.psnr)}>{(one) => (
               <li><button class="chip" title={one.id} onClick={() => follow(one.id)}><b>{one.psnr.toFixed(1)} dB</b> {clockOf(one.id)}</button></li>
@@ -44,6 +46,9 @@ export function QualityPart(props: { entity: string }) {
     </section>
   );
 }
+
+const nothingOf = (found: Quality): string =>
+  found.unknown > 0 ? `${formatCount(found.unknown)} snapshots are kept in both forms, but none of them could be compared: quality is told of images.` : 'No snapshot is kept in both forms, so there is nothing to compare.';
 
 const clockOf = (id: string): string => { const { time } = parseId(id); return time === undefined ? id : formatClock(time, 3); };
 
