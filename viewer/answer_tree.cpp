@@ -51,9 +51,12 @@ ltm::MemoryId prefix_of(const ltm::MemoryId& id, size_t levels) {
 
 void add_kinds(const idf::Type& type, std::set<std::string>& kinds) {
   switch (type.kind()) {
-    case idf::TypeKind::kImage:
-      kinds.insert("image");
+    case idf::TypeKind::kImage: {
+      const idf::PixelType pixel = type.get<idf::types::Image>().pixel;
+      const bool is_depth = pixel == idf::PixelType::kDepth32 || pixel == idf::PixelType::kDepth16;
+      kinds.insert(is_depth ? "depth" : "image");
       return;
+    }
     case idf::TypeKind::kPointCloud:
       kinds.insert("cloud");
       return;
@@ -83,16 +86,22 @@ Result<std::set<std::string>> kinds_of(ltm::StoreReader& reader, const ltm::Memo
     return kinds;
   }
   ENGRAM_ASSIGN_OR_RETURN(const ltm::StoredForms forms, reader.newest_forms(entity));
-  if (!forms.media_codecs.empty()) kinds.insert("image");
   ENGRAM_ASSIGN_OR_RETURN(ltm::Timeline * timeline, reader.timeline(entity));
   if (!timeline->last()) return kinds;
   ENGRAM_ASSIGN_OR_RETURN(const auto last, timeline->at_or_before(*timeline->last()));
-  if (!last || !last->recorded) return kinds;
+  if (!last || !last->recorded) {
+    if (!forms.media_codecs.empty()) kinds.insert("image");
+    return kinds;
+  }
   ENGRAM_ASSIGN_OR_RETURN(const ltm::PackedSnapshot packed, reader.read_values(entity, *last));
   for (const ltm::PackedInstance& instance : packed.instances) {
     for (const ShownMember& member : shown_members(instance.value.rest, {}))
       kinds.insert(member.kind);
-    if (!instance.value.media.empty()) kinds.insert("image");
+    for (const ltm::PackedMedium& medium : instance.value.media) {
+      const ltm::MediumKind kind = ltm::medium_kind(medium.type, medium.shape);
+      if (kind == ltm::MediumKind::kImage) kinds.insert("image");
+      if (kind == ltm::MediumKind::kDepth) kinds.insert("depth");
+    }
   }
   return kinds;
 }

@@ -98,6 +98,9 @@ class AnswersTest(unittest.TestCase):
                                              "augmented": 0})
         self.assertIn("image", found[STEREO]["kinds"])
         self.assertIn("number", found[JOINTS]["kinds"])
+        depth = next(one for one in found if one.startswith("Vision/Depth"))
+        self.assertIn("depth", found[depth]["kinds"])
+        self.assertNotIn("image", found[depth]["kinds"])
         self.assertEqual(self.viewed.error("/api/tree", under=JOINTS), (400, "invalid argument"))
         self.assertEqual(self.viewed.error("/api/tree", under="Nothing"), (404, "not found"))
 
