@@ -82,19 +82,19 @@ Glance glance_at_run(const LensPlanes& lens, const RunBounds<12>::Bounds& camera
   Sides high{};
   float distance = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
-    Sides least{};
-    Sides greatest{};
+    Sides lowest{};
+    Sides highest{};
     for (size_t i = 0; i < 3; ++i) {
       const Sides positive = of_lens[i] > zero ? of_lens[i] : zero;
       const Sides negative = of_lens[i] > zero ? zero : of_lens[i];
       const float from = cameras.low[3 * axis + i];
       const float to = cameras.high[3 * axis + i];
-      least += positive * from + negative * to;
-      greatest += positive * to + negative * from;
+      lowest += positive * from + negative * to;
+      highest += positive * to + negative * from;
     }
     const float from = places.low[axis] - cameras.high[9 + axis];
     const float to = places.high[axis] - cameras.low[9 + axis];
-    const std::array<Sides, 4> products{least * from, least * to, greatest * from, greatest * to};
+    const std::array<Sides, 4> products{lowest * from, lowest * to, highest * from, highest * to};
     Sides smallest = products[0];
     Sides largest = products[0];
     for (const Sides& product : products) {
