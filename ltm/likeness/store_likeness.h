@@ -41,11 +41,10 @@ class StoreLikeness {
   /// meanwhile; then it asks anew. `about` is what errors name.
   template <typename Ask>
   auto ask(const MemoryId& about, const std::stop_token& stop, const Ask& question)
-      -> decltype(question(std::declval<LikenessSearch&>(), stop))
-          ENGRAM_EXCLUDES(mutex_, stopping_);
+      -> decltype(question(std::declval<LikenessSearch&>(), stop));
   template <typename Ask>
   auto ask_once(const MemoryId& about, const std::stop_token& stop, const Ask& question)
-      -> decltype(question(std::declval<LikenessSearch&>(), stop)) ENGRAM_EXCLUDES(mutex_);
+      -> decltype(question(std::declval<LikenessSearch&>(), stop));
 
   const std::filesystem::path path_;
   const ModelLoader loader_;
