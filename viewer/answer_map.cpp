@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ltm/likeness/coded_moments.h"
 #include "training/quality/quality_metrics.h"
 #include "viewer/sampled_series.h"
 #include "viewer/shown_value.h"
@@ -77,8 +78,8 @@ ViewAnswer answer_map(ViewedMemory& viewed, const RequestTarget& target) {
   constexpr int64_t kMaxMoments = 20'000;
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId entity, target.entity("entity"));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t max, target.integer("max", 1, kMaxMoments, 2000));
-  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::MomentMap map, memory->map(entity, static_cast<size_t>(max)));
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::MomentMap map,
+                          viewed.memory().map(entity, static_cast<size_t>(max)));
   MapJson times = MapJson::array();
   for (const Time time : map.times) times.push_back(time_text(time));
   return bounded_json({{"entity", entity.to_string()},
@@ -118,8 +119,7 @@ ViewAnswer answer_quality(ViewedMemory& viewed, const RequestTarget& target) {
   std::ranges::sort(known);
   MapJson worst = MapJson::array();
   for (size_t i = 0; i < std::min(kWorst, known.size()); ++i)
-    worst.push_back({{"id", entity.at(known[i].second).to_string()},
-                     {"psnr", std::round(known[i].first * 100) / 100}});
+    worst.push_back({{"id", entity.at(known[i].second).to_string()}, {"psnr", known[i].first}});
   const double low = known.empty() ? 0 : std::floor(known.front().first / kStep) * kStep;
   std::vector<uint64_t> counts;
   for (const auto& [psnr, time] : known) {

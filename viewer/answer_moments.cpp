@@ -227,12 +227,13 @@ ViewAnswer answer_similar(ViewedMemory& viewed, const RequestTarget& target) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, target.moment("id"));
   ENGRAM_ASSIGN_OR_RETURN(const int64_t count, target.integer("k", 1, kMaxSimilar, 10));
   ENGRAM_ASSIGN_OR_RETURN(const std::string one_per, target.choice("one_per", {"recording"}, ""));
-  ENGRAM_ASSIGN_OR_RETURN(Memory * memory, viewed.for_long_questions());
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::SimilarAnswer found,
-                          memory->similar({.entity = id.entity(),
-                                           .moment = id.time(),
-                                           .count = static_cast<size_t>(count),
-                                           .is_one_per_recording = one_per == "recording"}));
+  // Likeness has a lock of its own: neither moments nor predictions wait for it.
+  ENGRAM_ASSIGN_OR_RETURN(
+      const ltm::SimilarAnswer found,
+      viewed.memory().similar({.entity = id.entity(),
+                               .moment = id.time(),
+                               .count = static_cast<size_t>(count),
+                               .is_one_per_recording = one_per == "recording"}));
   MomentJson list = MomentJson::array();
   for (const ltm::SimilarMoment& moment : found.moments)
     list.push_back({{"id", found.entity.at(moment.time).to_string()},

@@ -19,14 +19,15 @@ constexpr size_t kDecodedAtOnce = 32;
 /// A server is asked for so many moments in one query.
 constexpr size_t kAskedMoments = 500;
 
-/// The bins of a request as indices of snapshots: bin i begins at [i].
-std::vector<size_t> bin_begins(const std::vector<Time>& times, const ltm::TimeBins& bins) {
+/// The bins of a request as places in a column: bin i begins at [i].
+std::vector<size_t> bin_begins(const std::vector<Time>& times, const ltm::TimeBins& bins,
+                               size_t stride) {
   std::vector<size_t> begins;
   begins.reserve(bins.count() + 1);
   auto from = times.begin();
   for (size_t i = 0; i <= bins.count(); ++i) {
     from = std::lower_bound(from, times.end(), bins.begin(i));
-    begins.push_back(static_cast<size_t>(from - times.begin()));
+    begins.push_back((static_cast<size_t>(from - times.begin()) + stride - 1) / stride);
   }
   return begins;
 }
@@ -66,9 +67,9 @@ class SeriesReading {
  public:
   SeriesReading(const SeriesRequest& request, KeptNumbers& kept, SteadyTime deadline)
       : request_(request), kept_(kept), deadline_(deadline) {
-    for (const std::string& path : request.paths)
-      columns_.push_back(kept.column(request.instance, path));
-    begins_ = bin_begins(kept.times().all, request.bins);
+    columns_ = kept.columns(request.instance, request.paths);
+    stride_ = columns_.front()->stride();
+    begins_ = bin_begins(kept.times().all, request.bins, stride_);
   }
 
   /// Reads what needs no decoding.
@@ -78,7 +79,7 @@ class SeriesReading {
     Status status;
     visit_missing([&](size_t i) {
       const auto read = [&]() -> Status {
-        const Time time = kept_.times().all[first + i];
+        const Time time = kept_.times().all[(first + i) * stride_];
         ENGRAM_ASSIGN_OR_RETURN(const auto entry, timeline->at_or_after(time));
         if (!entry || entry->time != time || !entry->recorded) {
           encoded_.push_back(first + i);
@@ -104,8 +105,8 @@ class SeriesReading {
       const std::span<const size_t> some =
           std::span(encoded_).subspan(i, std::min(kDecodedAtOnce, encoded_.size() - i));
       std::vector<ltm::Selector> selectors;
-      for (const size_t snapshot : some)
-        selectors.push_back(ltm::select::Before{times[snapshot], true});
+      for (const size_t place : some)
+        selectors.push_back(ltm::select::Before{times[place * stride_], true});
       ENGRAM_ASSIGN_OR_RETURN(const auto query, ltm::Query::of_entity(request_.entity, selectors));
       ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found, viewed.memory().query(query));
       for (const ltm::EntityResult* entity : found.entities())
@@ -113,7 +114,7 @@ class SeriesReading {
           const auto at = std::ranges::lower_bound(times, snapshot.time);
           if (at == times.end() || *at != snapshot.time) continue;
           const auto* instance = snapshot.find(static_cast<int32_t>(request_.instance));
-          put(static_cast<size_t>(at - times.begin()),
+          put(static_cast<size_t>(at - times.begin()) / stride_,
               instance == nullptr ? nullptr : &instance->data);
         }
     }
@@ -122,7 +123,10 @@ class SeriesReading {
 
   [[nodiscard]] SeriesAnswer draw() const {
     SeriesAnswer answer;
-    answer.total = begins_.back() - begins_.front();
+    const std::vector<Time>& times = kept_.times().all;
+    const auto begin = std::ranges::lower_bound(times, request_.bins.begin(0));
+    const auto end = std::ranges::lower_bound(times, request_.bins.begin(request_.bins.count()));
+    answer.total = static_cast<uint64_t>(end - begin);
     answer.read = answer.total;
     for (const auto& column : columns_) {
       uint64_t read = 0;
@@ -133,7 +137,7 @@ class SeriesReading {
   }
 
  private:
-  /// Visits the snapshots of the span that a column lacks; `visit` returns false to end it.
+  /// Visits the places of the span that a column lacks; `visit` returns false to end it.
   template <typename Visit>
   void visit_missing(const Visit& visit) {
     if (std::ranges::all_of(columns_, [](const auto& column) { return column->is_whole(); }))
@@ -147,19 +151,20 @@ class SeriesReading {
   }
 
   /// `value` is null where there is none.
-  void put(size_t snapshot, const idf::Data* value) {
+  void put(size_t place, const idf::Data* value) {
     for (size_t i = 0; i < columns_.size(); ++i)
-      columns_[i]->put(snapshot, value == nullptr
-                                     ? std::numeric_limits<float>::quiet_NaN()
-                                     : static_cast<float>(number_at(*value, request_.paths[i])));
+      columns_[i]->put(place, value == nullptr
+                                  ? std::numeric_limits<float>::quiet_NaN()
+                                  : static_cast<float>(number_at(*value, request_.paths[i])));
   }
 
   const SeriesRequest& request_;
   KeptNumbers& kept_;
   const SteadyTime deadline_;
-  std::vector<std::shared_ptr<NumberColumn>> columns_;
-  std::vector<size_t> begins_;
-  std::vector<size_t> encoded_;
+  std::vector<std::shared_ptr<NumberColumn>> columns_;  ///< One per path, never empty.
+  size_t stride_ = 1;
+  std::vector<size_t> begins_;   ///< Places in a column.
+  std::vector<size_t> encoded_;  ///< Likewise, of those that have to be decoded.
 };
 
 /// Draws the values of an answer of a server, in any order.

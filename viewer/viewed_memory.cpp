@@ -117,7 +117,7 @@ Result<ViewedMemory::SharedTimes> ViewedMemory::times(const StoreView& view,
 Result<std::shared_ptr<KeptNumbers>> ViewedMemory::numbers(const StoreView& view,
                                                            const ltm::MemoryId& entity) {
   ENGRAM_ASSIGN_OR_RETURN(SharedTimes times, this->times(view, entity));
-  auto fresh = std::make_shared<KeptNumbers>(std::move(times));
+  auto fresh = std::make_shared<KeptNumbers>(std::move(times), options_.max_numbers_bytes);
   const MutexLock lock(mutex_);
   if (view.state != state_) return fresh;
   size_t bytes = 0;

@@ -41,8 +41,8 @@ class ViewedMemory {
     Duration max_age = std::chrono::milliseconds(200);
     /// Max bytes of times that are kept for the next requests.
     size_t max_times_bytes = size_t{256} << 20;
-    /// Max bytes of numbers that are kept, likewise.
-    size_t max_numbers_bytes = size_t{256} << 20;
+    /// Max bytes of the numbers of one entity that are kept, likewise; those of others go first.
+    size_t max_numbers_bytes = size_t{128} << 20;
   };
 
   /// Errors: those of `options.open` and StoreReader::open.
@@ -53,9 +53,9 @@ class ViewedMemory {
 
   [[nodiscard]] Memory& memory() { return *memory_; }
 
-  /// The same memory for questions that may take seconds: predictions learn first, and likeness
-  /// codes first. A memory of a store answers one question after the other, and looking at a moment
-  /// must not wait for those. Opened when it is asked for.
+  /// The same memory for predictions, which may take seconds, because they learn first. A memory of
+  /// a store answers one question after the other, and looking at a moment must not wait for those.
+  /// Opened when it is asked for.
   /// Errors: those of `options.open`.
   Result<Memory*> for_long_questions();
 

@@ -7,6 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "ltm/likeness/coded_moments.h"
+
 namespace engram::ltm {
 
 namespace {

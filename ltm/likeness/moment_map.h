@@ -6,14 +6,18 @@
 #include <string>
 #include <vector>
 
-#include "ltm/likeness/coded_moments.h"
+#include "ltm/core/time.h"
 
 namespace engram::ltm {
 
+// Of ltm/likeness/coded_moments.h, which who has a map need not read.
+enum class CodedBy;
+struct CodedMoments;
+
 /// Moments of an entity in two dimensions: those that are like each other are near.
 struct MomentMap {
-  std::string space;  ///< Of the codes: "images 8c21fe03", "numbers".
-  CodedBy coded_by = CodedBy::kImages;
+  std::string space;                 ///< Of the codes: "images 8c21fe03", "numbers".
+  CodedBy coded_by{};                ///< Images, unless it is set.
   uint64_t known = 0;                ///< Moments that have codes.
   std::vector<Time> times;           ///< M of them, evenly spread, increasing.
   std::vector<float> x, y;           ///< [M]. Unit: the distance of two moments at random.

@@ -105,7 +105,7 @@ TEST_F(SampledSeriesTest, ReadsEachNumberOnce) {
     std::shared_ptr<NumberColumn> found;
     EXPECT_OK(viewed_->with_store([&](const StoreView& view) -> Status {
       ENGRAM_ASSIGN_OR_RETURN(const auto kept, viewed_->numbers(view, arm_));
-      found = kept->column(0, path);
+      found = kept->columns(0, {path}).front();
       return {};
     }));
     return found;
@@ -129,8 +129,42 @@ TEST_F(SampledSeriesTest, ReadsEachNumberOnce) {
   EXPECT_EQ(again->series[0].last, first->series[0].last);
 }
 
+TEST(KeptNumbers, KeepNoMoreThanTheyMay) {
+  const auto times = std::make_shared<ltm::EntityTimes>();
+  for (int64_t i = 0; i < 1000; ++i) times->all.push_back(time_from_ns(i));
+  KeptNumbers kept(times, 10'000);
+  const auto two = kept.columns(0, {"a", "b"});
+  EXPECT_EQ(two[0]->stride(), 1u);
+  EXPECT_EQ(kept.held_bytes(), 8'000u);
+  EXPECT_EQ(kept.columns(0, {"b"}).front(), two[1]);
+  // Others go where they do not fit beside these.
+  EXPECT_EQ(kept.columns(1, {"a"}).front()->stride(), 1u);
+  EXPECT_EQ(kept.held_bytes(), 4'000u);
+  std::vector<std::string> paths;
+  for (int i = 0; i < 64; ++i) paths.push_back("p" + std::to_string(i));
+  const auto many = kept.columns(0, paths);
+  EXPECT_EQ(many[63]->stride(), 32u);
+  EXPECT_EQ(many[63]->size(), 32u);
+  EXPECT_LE(kept.held_bytes(), 10'000u);
+}
+
+TEST_F(SampledSeriesTest, DrawsAnEvenPartOfWhatDoesNotFit) {
+  ViewedMemory::Options options = viewed_->options();
+  options.max_numbers_bytes = 120;  // 25 of 100 numbers.
+  const auto small = ViewedMemory::open(std::move(options));
+  ASSERT_OK(small);
+  for (int round = 0; round < 2; ++round) {
+    const auto answer = sample_series(**small, request_of({"x"}, 100, 2));
+    ASSERT_OK(answer);
+    EXPECT_EQ(answer->total, 100u);
+    EXPECT_EQ(answer->read, 25u);
+    EXPECT_THAT(answer->series[0].min, ElementsAre(0, 52));
+    EXPECT_THAT(answer->series[0].last, ElementsAre(48, 96));
+  }
+}
+
 TEST(NumberColumn, TellsWhatWasReadFromWhatIsNoNumber) {
-  NumberColumn column(3);
+  NumberColumn column(3, 1);
   EXPECT_TRUE(std::isnan(column.at(0)));
   EXPECT_FALSE(column.was_read(0));
   for (int round = 0; round < 2; ++round) {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "ltm/likeness/coded_moments.h"
+
 namespace engram::ltm {
 namespace {
 
