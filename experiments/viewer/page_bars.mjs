@@ -115,11 +115,13 @@ const tasks = {
     return stepsUntil(page, 'ArrowRight', Number(steps), '[data-panel=inspector] .facts', 200);
   },
   async scrub(url, seconds) {
-    const page = await open(url);
+    const joints = 'RobotState/Proprioception/robot/joints';
+    const panels_ = [
+      ...['Vision/RGB/head/stereo', 'Vision/Depth/head/left'].flatMap((id) => [0, 1].map(() => `images~${id}`)),
+      ...[0, 1, 2, 3, 4, 0, 1, 2].map((i) => `plot~${joints}~positions%5B${i}%5D`),
+    ];
+    const page = await open(`${url}#1&s=${joints}&p=${panels_.join(';')}`);
     await page.locator('.tile canvas').first().waitFor();
-    const open_ = async (name, key, count) => { for (let i = 0; i < count; ++i) { await choose(page, name); await page.keyboard.press(key); } };
-    await open_('stereo', 'i', 3);
-    await open_('joints', 'p', 6);
     await page.waitForTimeout(4000);
     const slider = page.getByRole('slider', { name: 'Cursor in time' });
     const box = await slider.boundingBox();

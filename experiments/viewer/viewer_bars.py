@@ -89,13 +89,10 @@ def page(web: str, *words: Any) -> Any:
 
 
 def kitchen_bars(bars: Bars, engram: str, web: str, store: pathlib.Path, steps: int) -> None:
-    times = [one["time_ns"] for one in json.loads(
-        run(engram, "query", "--unnoted", str(store), f"?ids {STEREO} @ all", "--json")
-    )["entities"][0]["snapshots"]]
+    ids = json.loads(run(engram, "query", "--unnoted", str(store), f"?ids {STEREO} @ all",
+                         "--json"))["ids"][:steps]
     with Viewed(engram, str(store)) as viewed:
         asking = Asking(viewed)
-        ids = [asking.viewed.json("/api/moment", entity=STEREO, at=at)["id"]
-               for at in times[:steps]]
         scattered = [ids[(i * 37) % len(ids)] for i in range(len(ids))]
         for name, form, order, as_, bar in (
                 ("image: recorded, in order, JPEG", "recorded", ids, "jpeg", 10),
@@ -110,8 +107,8 @@ def kitchen_bars(bars: Bars, engram: str, web: str, store: pathlib.Path, steps: 
         for at in (last + 200_000_000, last + 400_000_000):
             asking.timed("/api/moment", entity=joints, at=at, which="predict")
         bars.add("prediction of joints, learned", [
-            asking.timed("/api/moment", entity=joints, at=last + (1 + i % 10) * 100_000_000,
-                         which="predict")[0] for i in range(steps)], 100)
+            asking.timed("/api/moment", entity=joints, at=last + (i + 1) * 37_000_000,
+                         which="predict")[0] for i in range(min(steps, 50))], 100)
         url = viewed.url
         bars.add("page: key to all forms of the next image",
                  page(web, "images", url, "next", steps), 80)
@@ -119,8 +116,9 @@ def kitchen_bars(bars: Bars, engram: str, web: str, store: pathlib.Path, steps: 
                  page(web, "images", url, "scattered", min(steps, 20)), 80)
         bars.add("page: key to the next predicted value", page(web, "predict", url, 20), 100)
         scrubbed = page(web, "scrub", url, 8)
-        bars.add(f"page: frames while scrubbing ({len(scrubbed['panels'])} panels)",
-                 scrubbed["frames"], 16.8)
+        panels = scrubbed["panels"]
+        bars.add(f"page: frames while scrubbing {panels.count('images')} images, "
+                 f"{panels.count('plot')} plots", scrubbed["frames"], 16.8)
         print(f"gateway's memory after all: {resident_mb(viewed.process.pid):.0f} MB (bar 500)")
 
 
