@@ -10,9 +10,6 @@ namespace engram::cli {
 
 namespace {
 
-/// About ten microseconds of spinning: longer than the gaps within a layer, shorter than a
-/// scheduler's time slice.
-constexpr const char* kSpins = "10000";
 /// Settings of glibc; other C libraries ignore them.
 constexpr const char* kMemory =
     "glibc.malloc.hugetlb=1:glibc.malloc.trim_threshold=1000000000:"
@@ -33,11 +30,11 @@ bool is_learning(int argc, char** argv) {
 }
 
 bool set_learning_environment() {
-  const bool has_spins = is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT");
+  const bool has_policy = is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT");
   const bool has_memory = is_set("GLIBC_TUNABLES");
-  if (!has_spins) ::setenv("GOMP_SPINCOUNT", kSpins, 1);
+  if (!has_policy) ::setenv("OMP_WAIT_POLICY", "passive", 1);
   if (!has_memory) ::setenv("GLIBC_TUNABLES", kMemory, 1);
-  return !has_spins || !has_memory;
+  return !has_policy || !has_memory;
 }
 
 void prepare_to_learn(char** argv) {

@@ -9,9 +9,8 @@ namespace engram::cli {
 /// Sets environment variables that OpenMP and the C library read before main(), unless they are
 /// already set. Returns whether any was set: a running program must then execute itself again.
 ///
-/// * OpenMP's threads spin only briefly while they wait. By default they spin for milliseconds and
-///   starve each other as soon as another process needs a core. Sleeping at once costs as much on
-///   an idle machine.
+/// * OpenMP's threads sleep where they wait. By default they spin for milliseconds and starve each
+///   other as soon as another process needs a core; so do those that spin for 10 microseconds.
 /// * The memory of tensors stays in the process, in large pages. By default it returns to the
 ///   system and is mapped again, page by page, with every layer of every step.
 ///

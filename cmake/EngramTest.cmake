@@ -55,6 +55,6 @@ function(engram_add_test name)
     endif()
     # Tests run beside each other: waiting threads must not spin for long (cli/learning_environment.h).
     set_tests_properties(${test} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 1800
-      ENVIRONMENT "GOMP_SPINCOUNT=10000;GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${shard}")
+      ENVIRONMENT "OMP_WAIT_POLICY=passive;GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${shard}")
   endforeach()
 endfunction()

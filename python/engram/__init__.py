@@ -114,10 +114,10 @@ __all__ = [
     "replay",
 ]
 
-# OpenMP reads it when it is loaded: its threads spin only shortly where they wait, else they starve
-# each other as soon as another process wants a core (docs/learning.md, section "Speed").
-if "OMP_WAIT_POLICY" not in os.environ:
-    os.environ.setdefault("GOMP_SPINCOUNT", "10000")
+# OpenMP reads it when it is loaded: its threads sleep where they wait, else they starve each other
+# as soon as another process wants a core (docs/learning.md, section "Speed").
+if "GOMP_SPINCOUNT" not in os.environ:
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
 
 def __getattr__(name: str) -> Any:

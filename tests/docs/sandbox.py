@@ -57,7 +57,7 @@ class Sandbox:
             "PYTHONPATH": self.python_path,
             "PYTHONDONTWRITEBYTECODE": "1",
             "MPLBACKEND": "Agg",
-            "GOMP_SPINCOUNT": "10000",
+            "OMP_WAIT_POLICY": "passive",
             "LC_ALL": "C.UTF-8",
         }
 
