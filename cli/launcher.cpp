@@ -107,7 +107,7 @@ int run(int argc, char** argv) {
   if (const auto exit_code = answer(directory, all.subspan(std::min<size_t>(1, all.size()))))
     return *exit_code;
   // Set here, because the program would have to execute itself again for it and be loaded twice.
-  if (is_learning(argc, argv)) set_learning_environment();
+  set_learning_environment(argc, argv);
   const std::string program = directory / kProgram;
   ::execv(program.c_str(), argv);
   std::fprintf(stderr, "engram: cannot start '%s': %s\n", program.c_str(), std::strerror(errno));

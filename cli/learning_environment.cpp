@@ -19,8 +19,7 @@ bool is_set(const char* name) {
   return ::getenv(name) != nullptr;
 }
 
-}  // namespace
-
+/// Whether the arguments name a command that runs networks for a long time.
 bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (const std::string_view word = argv[i];
@@ -29,16 +28,18 @@ bool is_learning(int argc, char** argv) {
   return false;
 }
 
-bool set_learning_environment() {
+}  // namespace
+
+bool set_learning_environment(int argc, char** argv) {
   const bool has_policy = is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT");
-  const bool has_memory = is_set("GLIBC_TUNABLES");
   if (!has_policy) ::setenv("OMP_WAIT_POLICY", "passive", 1);
+  const bool has_memory = is_set("GLIBC_TUNABLES") || !is_learning(argc, argv);
   if (!has_memory) ::setenv("GLIBC_TUNABLES", kMemory, 1);
   return !has_policy || !has_memory;
 }
 
-void prepare_to_learn(char** argv) {
-  if (set_learning_environment()) ::execv("/proc/self/exe", argv);
+void prepare_to_learn(int argc, char** argv) {
+  if (set_learning_environment(argc, argv)) ::execv("/proc/self/exe", argv);
   // If it fails, the program is slower but correct.
 }
 

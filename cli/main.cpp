@@ -175,7 +175,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace engram::cli
 
 int main(int argc, char** argv) {
-  if (engram::cli::is_learning(argc, argv)) engram::cli::prepare_to_learn(argv);
+  engram::cli::prepare_to_learn(argc, argv);
   engram::cli::watch_for_interrupts();
   return engram::cli::end_interrupted_or(
       engram::cli::exit_code_of([&] { return engram::cli::run(argc, argv); }));
