@@ -20,7 +20,7 @@ class InstancePredictor;
 ///     ENGRAM_ASSIGN_OR_RETURN(auto predicted, predictor.predict(horizons, ""));
 ///
 /// Adding a snapshot costs microseconds for numbers and reads some 16,000 elements of an image.
-/// Engines learn and are measured when a prediction is requested (up to a second for a hundred
+/// Engines learn and are measured when a prediction is requested (up to half a second for a hundred
 /// numbers or for a model), and again after a tenth more snapshots.
 /// Engines: copy-last; for values with numbers those of make_series_engines(), which copy the rest;
 /// the entity's models. Each member of each instance uses the engine that was best for it in its

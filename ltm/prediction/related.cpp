@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "ltm/prediction/products.h"
 #include "ltm/prediction/series_engine.h"
 
 namespace engram::ltm {
@@ -44,11 +45,7 @@ struct RelatedProducts {
   VectorXd squares;   ///< [numbers], of the targets.
 
   static RelatedProducts of(const MatrixXd& x, const MatrixXd& y) {
-    MatrixXd features = MatrixXd::Zero(x.cols(), x.cols());
-    // Half of a symmetric matrix is half of the work.
-    features.selfadjointView<Eigen::Lower>().rankUpdate(x.transpose());
-    features.triangularView<Eigen::StrictlyUpper>() = features.transpose();
-    return {std::move(features), x.transpose() * y, y.colwise().squaredNorm().transpose()};
+    return {squared(x), product(x, y), y.colwise().squaredNorm().transpose()};
   }
 };
 
@@ -131,42 +128,35 @@ class Related final : public SeriesEngine {
   [[nodiscard]] bool learns() const override { return true; }
 
   void learn(const NumberSeries& series, size_t end, size_t steps) override {
-    auto& learned = weights_[steps];
-    learned.clear();
+    auto& learned = learned_[steps];
+    learned = {};
     const std::vector<size_t> windows = windows_of(series, end, steps);
     if (series.numbers() > kMaxNumbers || windows.size() < kMinRelatedWindows) return;
-    learn_means(series, windows);
-    MatrixXd x(windows.size(), kFeatures * static_cast<Index>(series.numbers()));
-    MatrixXd y(windows.size(), series.numbers());
-    for (size_t i = 0; i < windows.size(); ++i)
-      for (size_t number = 0; number < series.numbers(); ++number) {
-        const auto row = static_cast<Index>(i), column = static_cast<Index>(number);
-        for (Index k = 0; k < kFeatures; ++k)
-          x(row, column * kFeatures + k) = feature(series, windows[i], column * kFeatures + k);
-        y(row, column) = series.row(windows[i] + steps)[number] - series.row(windows[i])[number];
-      }
-    const auto held_out = static_cast<Index>(kHeldOut * static_cast<double>(windows.size()));
+    learned.means = means_of(series, windows);
+    const std::span all_windows(windows);
+    const auto held_out = static_cast<size_t>(kHeldOut * static_cast<double>(windows.size()));
     const RelatedProducts first =
-        RelatedProducts::of(x.topRows(x.rows() - held_out), y.topRows(y.rows() - held_out));
+        products_over(series, all_windows.first(windows.size() - held_out), steps, learned.means);
     const RelatedProducts last =
-        RelatedProducts::of(x.bottomRows(held_out), y.bottomRows(held_out));
+        products_over(series, all_windows.last(held_out), steps, learned.means);
     const RelatedProducts all{first.features + last.features, first.targets + last.targets,
                               first.squares + last.squares};
     // Features are chosen on a part of the windows, but their weights are fitted on all of them.
-    for (Index number = 0; number < y.cols(); ++number)
-      learned.push_back(fitted(all, features_for(first, last, number), number));
+    for (Index number = 0; number < all.squares.size(); ++number)
+      learned.weights.push_back(fitted(all, features_for(first, last, number), number));
   }
 
   void predict(const NumberSeries& series, size_t row, size_t steps,
                std::span<double> predicted) const override {
     std::ranges::copy(series.row(row), predicted.begin());
-    const auto known = weights_.find(steps);
-    if (known == weights_.end() || known->second.empty() || !has_changes(series, row)) return;
+    const auto known = learned_.find(steps);
+    if (known == learned_.end() || known->second.weights.empty() || !has_changes(series, row))
+      return;
     for (size_t number = 0; number < predicted.size(); ++number) {
-      const Weights& fit = known->second[number];
+      const Weights& fit = known->second.weights[number];
       for (size_t i = 0; i < fit.features.size(); ++i)
-        predicted[number] +=
-            fit.weights[static_cast<Index>(i)] * feature(series, row, fit.features[i]);
+        predicted[number] += fit.weights[static_cast<Index>(i)] *
+                             feature(series, row, fit.features[i], known->second.means);
     }
   }
 
@@ -184,17 +174,39 @@ class Related final : public SeriesEngine {
     return some;
   }
 
-  void learn_means(const NumberSeries& series, std::span<const size_t> windows) {
-    means_.assign(series.numbers(), 0);
+  static std::vector<double> means_of(const NumberSeries& series, std::span<const size_t> windows) {
+    std::vector<double> means(series.numbers());
     for (const size_t row : windows)
-      for (size_t number = 0; number < means_.size(); ++number)
-        means_[number] += series.row(row)[number] / static_cast<double>(windows.size());
+      for (size_t number = 0; number < means.size(); ++number)
+        means[number] += series.row(row)[number] / static_cast<double>(windows.size());
+    return means;
   }
 
-  [[nodiscard]] double feature(const NumberSeries& series, size_t row, Index feature) const {
+  static RelatedProducts products_over(const NumberSeries& series, std::span<const size_t> windows,
+                                       size_t steps, std::span<const double> means) {
+    const auto rows = static_cast<Index>(windows.size());
+    MatrixXd x(rows, kFeatures * static_cast<Index>(series.numbers()));
+    MatrixXd y(rows, series.numbers());
+    // Column by column, as the matrices lie in memory.
+    for (size_t number = 0; number < series.numbers(); ++number) {
+      const auto column = static_cast<Index>(number);
+      for (Index k = 0; k < kFeatures; ++k)
+        for (Index i = 0; i < rows; ++i)
+          x(i, column * kFeatures + k) =
+              feature(series, windows[static_cast<size_t>(i)], column * kFeatures + k, means);
+      for (Index i = 0; i < rows; ++i) {
+        const size_t row = windows[static_cast<size_t>(i)];
+        y(i, column) = series.row(row + steps)[number] - series.row(row)[number];
+      }
+    }
+    return RelatedProducts::of(x, y);
+  }
+
+  static double feature(const NumberSeries& series, size_t row, Index feature,
+                        std::span<const double> means) {
     const auto number = static_cast<size_t>(feature / kFeatures);
     const auto back = static_cast<size_t>(feature % kFeatures);
-    if (back == 0) return series.row(row)[number] - means_[number];
+    if (back == 0) return series.row(row)[number] - means[number];
     return series.row(row - back + 1)[number] - series.row(row - back)[number];
   }
 
@@ -219,8 +231,13 @@ class Related final : public SeriesEngine {
     }
   }
 
-  std::vector<double> means_;
-  std::map<size_t, std::vector<Weights>> weights_;  ///< One per number; the key is the steps.
+  /// What is learned for one horizon.
+  struct Learned {
+    std::vector<double> means;     ///< [numbers], that levels are relative to.
+    std::vector<Weights> weights;  ///< [numbers]
+  };
+
+  std::map<size_t, Learned> learned_;  ///< The key is the steps.
 };
 
 }  // namespace
