@@ -125,14 +125,18 @@ const tasks = {
     await page.waitForTimeout(4000);
     const slider = page.getByRole('slider', { name: 'Cursor in time' });
     const box = await slider.boundingBox();
+    const before = await slider.getAttribute('aria-valuenow');
     const panels = await page.locator('[data-panel]').evaluateAll((all) => all.map((one) => one.getAttribute('data-panel')));
-    await page.mouse.move(box.x + 0.3 * box.width, box.y + box.height / 2);
+    // Dragging moves the cursor on the axis above the lanes; below it, it moves the picture.
+    await page.mouse.move(box.x + 0.3 * box.width, box.y + 8);
     await page.mouse.down();
     const frames = await framesWhile(page, Number(seconds), `
       const { x, y, width, height } = given;
-      const target = document.elementFromPoint(x + 0.3 * width, y + height / 2);
-      target.dispatchEvent(new PointerEvent('pointermove', { bubbles: true, pointerId: 1, buttons: 1, clientX: x + (0.3 + 0.4 * (i % 600) / 600) * width, clientY: y + height / 2 }));`, box);
+      const target = document.elementFromPoint(x + 0.3 * width, y + 8);
+      target.dispatchEvent(new PointerEvent('pointermove', { bubbles: true, pointerId: 1, buttons: 1, clientX: x + (0.3 + 0.4 * (i % 600) / 600) * width, clientY: y + 8 }));`, box);
+    const moved = await slider.getAttribute('aria-valuenow');
     await page.mouse.up();
+    if (moved === before) throw new Error(`The cursor stayed at ${before} % while it was dragged.`);
     return { frames, panels };
   },
   async names(url, seconds) {

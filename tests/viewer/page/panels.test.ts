@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { readFileSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { choose, coloursOf, cursorOf, goTo, json, kStart, useBrowser, visit } from './browser';
 
@@ -147,6 +148,36 @@ describe('plots', () => {
     // Twice as wide as the screen, so one bin (two points) for a pixel of it.
     for (const pixels of asked) expect(pixels).toBeLessThanOrEqual(2 * 1440);
     expect(Math.min(...asked)).toBeLessThanOrEqual(2 * width);
+  });
+
+  it('fit their axis to what is seen, and to what comes later', async () => {
+    // A ramp from 0 to 1 over the whole memory, of which the gateway first reads nothing but zeros.
+    let isRead = false;
+    const { page } = await visit({ intercept: (url) => {
+      if (url.pathname !== '/api/series') return null;
+      const [from, to, pixels] = ['from', 'to', 'pixels'].map((name) => Number(url.searchParams.get(name))) as [number, number, number];
+      const paths = url.searchParams.getAll('path').length;
+      const values = Float32Array.from({ length: pixels }, (_, i) => (isRead ? (from + ((i + 0.5) / pixels) * (to - from) - Number(kStart)) / 730e9 : 0));
+      const all = new Float32Array(3 * pixels * paths);
+      for (let i = 0; i < 3 * paths; ++i) all.set(values, i * pixels);
+      return { status: 200, type: 'application/octet-stream', body: new Uint8Array(all.buffer), headers: { 'X-Engram-Read': isRead ? '10' : '5', 'X-Engram-Total': '10' } };
+    } });
+    await page.locator('.plot-host canvas').first().waitFor();
+    const axis = async (): Promise<number[]> => {
+      const waiting = page.waitForEvent('download');
+      await page.getByRole('button', { name: 'Save this plot as SVG' }).first().click();
+      const svg = readFileSync(await (await waiting).path(), 'utf8');
+      return [...svg.matchAll(/<text[^>]*text-anchor="end"[^>]*>([^<]*)</g)].map((found) => Number(found[1]!.replace('\u2212', '-').replace(/[\u2009\u00a0 ]/g, '')));
+    };
+    const highest = async () => Math.max(...(await axis()));
+    await expect.poll(highest).toBeLessThan(0.1);
+    isRead = true;
+    for (const key of ['+', '-']) await page.keyboard.press(key);
+    await expect.poll(highest).toBeGreaterThan(0.5);
+    const all = await axis();
+    await goTo(page, '07:06:00');
+    for (let i = 0; i < 12; ++i) await page.keyboard.press('+');
+    await expect.poll(async () => { const seen = await axis(); return Math.max(...seen) - Math.min(...seen); }).toBeLessThan(0.2 * (Math.max(...all) - Math.min(...all)));
   });
 
   it('hide a series and show numbers as a table', async () => {

@@ -176,9 +176,12 @@ export function createChart(element: HTMLElement, width: number, height: number,
   const base = () => shown().plotted.span.from;
   const ticks = () => ticksOf(shown().view, width, 84);
   const axis: uPlot.Axis = { font: kFont, stroke: theme.dim, grid: { stroke: theme.stripe, width: 1 }, ticks: { stroke: theme.line, width: 1, size: 4 } };
+  // What is predicted out of sight would press flat what is seen.
   const values = () => {
-    const { foreseen, plotted } = shown();
-    return foreseen ? plotted.paths.flatMap((path, i) => (shown().isShown(path) ? (foreseen.values[i] ?? []).filter(Number.isFinite) : [])) : [];
+    const { foreseen, plotted, view, isShown } = shown();
+    if (!foreseen) return [];
+    const isSeen = (_: number, i: number) => foreseen.times[i]! >= view.from && foreseen.times[i]! <= view.to;
+    return plotted.paths.flatMap((path, i) => (isShown(path) ? (foreseen.values[i] ?? []).filter(isSeen).filter(Number.isFinite) : []));
   };
   const visible = (): Plotted => {
     const { plotted, isShown } = shown();
@@ -189,7 +192,7 @@ export function createChart(element: HTMLElement, width: number, height: number,
     cursor: { x: false, y: false, drag: { x: false, y: false, setScale: false }, points: { show: false } },
     scales: {
       x: { time: false, auto: false, range: () => [seconds(shown().view.from, base()), seconds(shown().view.to, base())] },
-      y: { auto: false, range: () => rangeOf(visible(), shown().view, values()) ?? [0, 1] },
+      y: { auto: true, range: () => rangeOf(visible(), shown().view, values()) ?? [0, 1] },
     },
     axes: [
       { ...axis, size: 24, gap: 3, splits: () => ticks().map((tick) => seconds(tick.time, base())), values: () => ticks().map((tick) => tick.label) },
