@@ -5,7 +5,8 @@
 build_page.py --source DIR --work DIR --fallback DIR [--needed]
 
 The built page is in WORK/dist. If npm is missing, or a package cannot be had, the fallback takes
-its place and a warning says so; with --needed that is an error.
+its place and a warning says so; with --needed that is an error. A page that does not compile is one
+always: the fallback would hide it.
 """
 
 from __future__ import annotations
@@ -24,6 +25,10 @@ class PageError(Exception):
     """Why there is no page."""
 
 
+class BrokenPage(PageError):
+    """The page is wrong itself."""
+
+
 def copy_sources(source: pathlib.Path, work: pathlib.Path) -> None:
     """Copies what is there, and takes away what is not there any more. Installed packages stay."""
     work.mkdir(parents=True, exist_ok=True)
@@ -33,7 +38,7 @@ def copy_sources(source: pathlib.Path, work: pathlib.Path) -> None:
     shutil.copytree(source, work, dirs_exist_ok=True, ignore=shutil.ignore_patterns(*MADE))
 
 
-def run(work: pathlib.Path, *words: str) -> None:
+def run(work: pathlib.Path, *words: str, failure: type[PageError] = PageError) -> None:
     try:
         done = subprocess.run(words, cwd=work, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, timeout=600, check=False)
@@ -43,7 +48,7 @@ def run(work: pathlib.Path, *words: str) -> None:
         raise PageError(f"'{' '.join(words)}' took longer than 10 minutes") from None
     if done.returncode != 0:
         tail = "\n".join(done.stdout.strip().split("\n")[-20:])
-        raise PageError(f"'{' '.join(words)}' failed:\n{tail}")
+        raise failure(f"'{' '.join(words)}' failed:\n{tail}")
 
 
 def install(work: pathlib.Path) -> None:
@@ -62,9 +67,9 @@ def build(source: pathlib.Path, work: pathlib.Path) -> None:
         raise PageError(f"'{source}' has no sources of the page")
     copy_sources(source, work)
     install(work)
-    run(work, "npm", "run", "build")
+    run(work, "npm", "run", "build", failure=BrokenPage)
     if not (work / "dist" / "index.html").exists():
-        raise PageError("'npm run build' made no dist/index.html")
+        raise BrokenPage("'npm run build' made no dist/index.html")
 
 
 def main() -> int:
@@ -76,7 +81,7 @@ def main() -> int:
     try:
         build(given.source, given.work)
     except PageError as error:
-        if given.needed:
+        if given.needed or isinstance(error, BrokenPage):
             print(f"build_page.py: {error}", file=sys.stderr)
             return 1
         print(f"warning: the page of 'engram view' is left out: {error}\nIt then shows how to get "
