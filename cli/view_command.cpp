@@ -4,7 +4,9 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
@@ -21,21 +23,22 @@ namespace engram::cli {
 namespace {
 
 constexpr const char* kViewFooter =
-    R"(Shows a memory in a browser, until Ctrl-C: what there is, past and future on one time axis. The
-page is at the URL that is printed first. It has a token, so keep it to yourself. Only this machine
+    R"(Shows memories in a browser, until Ctrl-C: what there is, past and future on one time axis. Of
+several, the page shows the one that is chosen there. The page is at the URL that is printed first. It has a token, so keep it to yourself. Only this machine
 reaches it; from another one, tunnel: ssh -L 8200:127.0.0.1:8200 robot. Nothing is changed, and no
 other place is asked for anything. See docs/viewer.md.
 
 Examples:
   engram view robot.engram
   engram view robot.engram --open
+  engram view monday.engram tuesday.engram
   engram view robot.engram --listen 127.0.0.1:8200
   engram view --server 127.0.0.1:50051
   engram view robot.engram --json
   engram view robot.engram --embed http://localhost:8888)";
 
 struct ViewArguments {
-  std::string store;
+  std::vector<std::string> stores;
   RemoteArguments remote;
   std::string listen = "127.0.0.1:0";
   std::string embed;
@@ -98,9 +101,9 @@ void wait_until_interrupted() {
   wake.wait(mutex, interrupt_token(), [] { return false; });
 }
 
-std::string name_of(const ViewArguments& arguments) {
-  if (!arguments.store.empty()) {
-    const std::filesystem::path path = std::filesystem::path(arguments.store).lexically_normal();
+std::string name_of(const std::string& store, const ViewArguments& arguments) {
+  if (!store.empty()) {
+    const std::filesystem::path path = std::filesystem::path(store).lexically_normal();
     return (path.has_filename() ? path : path.parent_path()).filename().string();
   }
   if (!arguments.remote.names.empty()) return arguments.remote.names;
@@ -108,19 +111,26 @@ std::string name_of(const ViewArguments& arguments) {
 }
 
 ExitCode run(const ViewArguments& arguments) {
-  if (const Status named = check_source(arguments.store, arguments.remote); !named.ok())
-    return wrong_usage(named);
+  // A server is asked where no store is named.
+  const std::vector<std::string> sources =
+      arguments.stores.empty() ? std::vector<std::string>{""} : arguments.stores;
+  for (const std::string& source : sources)
+    if (const Status named = check_source(source, arguments.remote); !named.ok())
+      return wrong_usage(named);
   finish_after_interrupt();
   viewer::Viewer::Options options;
-  options.memory.name = name_of(arguments);
-  options.memory.store = arguments.store;
-  options.memory.open = [arguments](bool prefers_latents) {
-    return open_memory(arguments.store,
-                       {.is_read_only = true,
-                        .prefers_latents = prefers_latents,
-                        .notes_reads = arguments.is_noted},
-                       arguments.remote);
-  };
+  for (const std::string& source : sources) {
+    viewer::ViewedMemory::Options& memory = options.memories.emplace_back();
+    memory.name = name_of(source, arguments);
+    memory.store = source;
+    memory.open = [source, arguments](bool prefers_latents) {
+      return open_memory(source,
+                         {.is_read_only = true,
+                          .prefers_latents = prefers_latents,
+                          .notes_reads = arguments.is_noted},
+                         arguments.remote);
+    };
+  }
   options.listen = arguments.listen;
   options.embedding_origin = arguments.embed;
   const auto viewer = viewer::Viewer::start(std::move(options));
@@ -142,9 +152,9 @@ ExitCode run(const ViewArguments& arguments) {
 
 void add_view_command(CLI::App& app, ExitCode& exit_code) {
   const auto arguments = std::make_shared<ViewArguments>();
-  CLI::App* command = app.add_subcommand("view", "See a memory in the browser");
+  CLI::App* command = app.add_subcommand("view", "See memories in the browser");
   command->footer(kViewFooter);
-  command->add_option("store", arguments->store, "Store; none where a server is asked");
+  command->add_option("stores", arguments->stores, "Stores; none where a server is asked");
   add_remote_options(*command, arguments->remote);
   command
       ->add_option("--listen", arguments->listen,

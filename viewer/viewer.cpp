@@ -24,12 +24,6 @@ Result<server::Endpoint> local_endpoint(const std::string& text) {
   return endpoint;
 }
 
-Result<HttpResponse> page_or_answer(ViewedMemory& memory, const HttpRequest& request,
-                                    const RequestTarget& target) {
-  if (auto page = page_response(request, target.path())) return *std::move(page);
-  return answer(memory, request, target);
-}
-
 }  // namespace
 
 Result<std::unique_ptr<Viewer>> Viewer::start(Options options) {
@@ -39,7 +33,11 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Options options) {
   ENGRAM_ASSIGN_OR_RETURN(const server::Endpoint endpoint, local_endpoint(options.listen));
   const std::string address = endpoint.host() == "localhost" ? "127.0.0.1" : endpoint.host();
   std::unique_ptr<Viewer> viewer(new Viewer());
-  ENGRAM_ASSIGN_OR_RETURN(viewer->memory_, ViewedMemory::open(std::move(options.memory)));
+  ENGRAM_CHECK(!options.memories.empty(), "found no memory to show");
+  for (ViewedMemory::Options& memory : options.memories) {
+    ENGRAM_ASSIGN_OR_RETURN(auto opened, ViewedMemory::open(std::move(memory)));
+    viewer->memories_.push_back(std::move(opened));
+  }
   ENGRAM_ASSIGN_OR_RETURN(viewer->gateway_,
                           Gateway::listen({.address = address, .port = endpoint.port()}));
   ENGRAM_ASSIGN_OR_RETURN(std::string token, server::make_token());
@@ -52,31 +50,38 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Options options) {
   viewer->gateway_->serve(
       [self](const HttpRequest& request) { return self->respond(request); },
       [self](const HttpRequest& request) { return self->stop_socket(request); });
-  if (!viewer->memory_->is_store()) viewer->follow();
+  for (size_t number = 0; number < viewer->memories_.size(); ++number)
+    if (!viewer->memories_[number]->is_store()) viewer->follow(number);
   return viewer;
 }
 
-void Viewer::follow() {
+void Viewer::follow(size_t number) {
   Gateway* const gateway = gateway_.get();
   SubscriptionHandlers handlers{
       .on_snapshots =
-          [gateway](const std::vector<ToldSnapshot>& told) {
+          [gateway, number](const std::vector<ToldSnapshot>& told) {
             nlohmann::ordered_json ids = nlohmann::ordered_json::array();
             for (const ToldSnapshot& one : told) ids.push_back(one.snapshot.id().to_string());
-            gateway->publish(json_text({{"kind", "commit"}, {"ids", std::move(ids)}}), told.size());
+            gateway->publish(
+                json_text({{"kind", "commit"}, {"memory", number}, {"ids", std::move(ids)}}),
+                told.size());
           },
       .on_lost =
-          [gateway](uint64_t lost) {
-            gateway->publish(json_text({{"kind", "dropped"}, {"count", lost}}), lost);
+          [gateway, number](uint64_t lost) {
+            gateway->publish(json_text({{"kind", "dropped"}, {"memory", number}, {"count", lost}}),
+                             lost);
           },
       .on_interrupted =
-          [gateway](const Status& status) {
-            gateway->publish(json_text({{"kind", "interrupted"}, {"message", status.message()}}),
-                             0);
+          [gateway, number](const Status& status) {
+            gateway->publish(
+                json_text(
+                    {{"kind", "interrupted"}, {"memory", number}, {"message", status.message()}}),
+                0);
           }};
-  auto subscription = memory_->memory().subscribe({.with_data = false}, std::move(handlers));
+  auto subscription =
+      memories_[number]->memory().subscribe({.with_data = false}, std::move(handlers));
   if (subscription.ok())
-    subscription_ = *std::move(subscription);
+    subscriptions_.push_back(*std::move(subscription));
   else
     log::warning("viewer: what is committed is not shown by itself: {}",
                  subscription.status().message());
@@ -93,6 +98,27 @@ std::optional<HttpResponse> Viewer::stop_socket(const HttpRequest& request) cons
   return refused;
 }
 
+HttpResponse Viewer::names() const {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const auto& memory : memories_) {
+    list.push_back({{"name", memory->options().name}, {"is_live", !memory->is_store()}});
+    if (memory->is_store()) list.back()["path"] = memory->options().store.string();
+  }
+  HttpResponse response = json_response({{"memories", std::move(list)}});
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
+Result<HttpResponse> Viewer::page_or_answer(const HttpRequest& request,
+                                            const RequestTarget& target) const {
+  if (auto page = page_response(request, target.path())) return *std::move(page);
+  if (target.path() == "/api/memories") return names();
+  ENGRAM_ASSIGN_OR_RETURN(
+      const int64_t number,
+      target.integer("memory", 0, static_cast<int64_t>(memories_.size()) - 1, 0));
+  return answer(*memories_[static_cast<size_t>(number)], request, target);
+}
+
 HttpResponse Viewer::respond(const HttpRequest& request) const {
   HttpResponse response;
   try {
@@ -102,7 +128,7 @@ HttpResponse Viewer::respond(const HttpRequest& request) const {
     } else if (auto stopped = gate_->stop(request, *target)) {
       response = *std::move(stopped);
     } else {
-      auto made = page_or_answer(*memory_, request, *target);
+      auto made = page_or_answer(request, *target);
       response = made.ok() ? std::move(*made) : error_response(made.status());
     }
   } catch (const std::exception& error) {

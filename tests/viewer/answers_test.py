@@ -67,6 +67,21 @@ class AnswersTest(unittest.TestCase):
         self.assertFalse(told["is_live"])
         self.assertEqual(told["max_horizon_ns"], "60000000000")
 
+    def test_several_memories_are_asked_by_number(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            other = pathlib.Path(folder) / "other.engram"
+            run(ENGRAM, "simulate", "kitchen", str(other), "--fast", "--seconds", "2")
+            with Viewed(ENGRAM, str(self.store), str(other)) as viewed:
+                self.assertEqual(viewed.json("/api/memories"), {"memories": [
+                    {"name": "kitchen.engram", "is_live": False, "path": str(self.store)},
+                    {"name": "other.engram", "is_live": False, "path": str(other)}]})
+                first, second = viewed.json("/api/info"), viewed.json("/api/info", memory=1)
+                self.assertEqual(first, self.viewed.json("/api/info"))
+                self.assertEqual(second["name"], "other.engram")
+                self.assertLess(second["snapshots"], first["snapshots"])
+                self.assertEqual(viewed.error("/api/info", memory=2), (400, "invalid argument"))
+                self.assertEqual(viewed.error("/api/info", memory="x"), (400, "invalid argument"))
+
     def test_the_tree_leads_to_each_entity(self) -> None:
         def walk(under: str, level: int) -> dict[str, Any]:
             found = {}

@@ -35,6 +35,27 @@ describe('the address', () => {
   });
 });
 
+describe('several memories', () => {
+  it('are shown one at a time, at the same moment, and in the address', async () => {
+    const names = { memories: [{ name: 'kitchen', path: '/data/monday/kitchen' }, { name: 'kitchen', path: '/data/tuesday/kitchen' }, { name: 'hall', path: '/data/hall' }] };
+    const { page, mock } = await visit({ intercept: (url) => (url.pathname === '/api/memories' ? json(names) : null) });
+    const choice = page.getByRole('combobox', { name: 'Memory' });
+    expect(await choice.locator('option').allTextContents()).toEqual(['/data/monday/kitchen', '/data/tuesday/kitchen', 'hall']);
+    await goTo(page, '07:06:00');
+    await choose(page, 'salt');
+    mock.state.requests.length = 0;
+    await choice.selectOption({ label: 'hall' });
+    await expect.poll(() => new URL(page.url()).hash).toMatch(/^#1&m=2&/);
+    await page.getByLabel(/^Inspector/).locator('.entity-path').waitFor();
+    expect(await choice.inputValue()).toBe('2');
+    expect(await cursorOf(page)).toBe(kStart + 360_000_000_000n);
+    expect(await page.getByLabel(/^Inspector/).locator('.entity-path').textContent()).toBe('Objects/Instances/kitchen/salt_1');
+    const asked = mock.state.requests.filter((request) => request.startsWith('/api/') && !/^\/api\/(live|memories)/.test(request)).slice(-5);
+    expect(asked.length).toBe(5);
+    for (const request of asked) expect(new URLSearchParams(request.split('?')[1]).get('memory')).toBe('2');
+  });
+});
+
 describe('pictures of panels', () => {
   it.each([['Save these images as PNG', 'stereo.png'], ['Save this plot as PNG', 'plot.png'], ['Save the timeline as PNG', 'timeline.png']])('%s', async (button, name) => {
     const { page } = await visit();

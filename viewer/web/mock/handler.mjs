@@ -180,6 +180,7 @@ const info = () => json({
 });
 
 const routes = {
+  memories: () => json({ memories: [{ name: 'kitchen.engram', path: '/data/kitchen.engram', is_live: false }] }),
   info, density, series, image, predict, step, nights, find, similar, links, map, quality,
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),

@@ -10,6 +10,11 @@ export class ApiError extends Error {
   }
 }
 
+let memory = 0;
+/** Which of the gateway's memories all questions are about; 0: the first one. */
+export const askMemory = (number: number): void => { memory = number; };
+export const askedMemory = (): number => memory;
+
 export type Params = Record<string, string | number | bigint | undefined | readonly string[]>;
 
 export function urlOf(path: string, params: Params): string {
@@ -18,6 +23,7 @@ export function urlOf(path: string, params: Params): string {
     if (value === undefined) continue;
     for (const one of Array.isArray(value) ? value : [value]) query.append(key, String(one));
   }
+  if (memory > 0) query.append('memory', String(memory));
   const text = query.toString();
   return `/api/${path}${text ? `?${text}` : ''}`;
 }

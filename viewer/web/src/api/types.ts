@@ -151,8 +151,12 @@ export const quality: d.Decoder<Quality> = (value, path) => {
   return found;
 };
 
+/** What the gateway shows, in its order. */
+export const memories = d.object({ memories: d.list(d.object({ name: d.string, path: d.optional(d.string), is_live: d.optional(d.bool) })) });
+
 export const liveFrame = d.object({
   kind: d.string,
+  memory: d.withDefault(d.number, 0),
   ids: d.withDefault(d.list(d.string), []),
   count: d.withDefault(d.number, 0),
   message: d.withDefault(d.string, ''),

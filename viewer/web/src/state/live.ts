@@ -2,6 +2,7 @@
 // Follows a server as it records. Frames of commits move the end of time; nothing is asked for them
 // but what is on the screen.
 import { batch, createEffect, createSignal, on, onCleanup, untrack } from 'solid-js';
+import { askedMemory } from '../api/client';
 import { liveFrame } from '../api/types';
 import { parseId } from './ids';
 import { cursor, info, last, say, setCursor, setLiveLast, setLiveLasts } from './store';
@@ -27,6 +28,7 @@ export function newestOf(text: string): Frame {
   } catch {
     return kNothing; // A frame that cannot be read changes nothing.
   }
+  if (frame.memory !== askedMemory()) return kNothing;
   if (frame.kind === 'interrupted') return { ...kNothing, message: frame.message || 'The server was lost for a while.' };
   if (frame.kind === 'dropped') return { ...kNothing, dropped: frame.count };
   let newest: bigint | undefined;

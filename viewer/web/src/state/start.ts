@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // From nothing to a usable view: what the memory is, what it holds, and which panels suit it.
 import { batch, createEffect, createSignal } from 'solid-js';
-import { ApiError, getJson } from '../api/client';
-import { info as infoDecoder, isImage, treeLevel, type TreeNode } from '../api/types';
+import { ApiError, askedMemory, askMemory, getJson } from '../api/client';
+import { info as infoDecoder, isImage, memories as memoriesDecoder, treeLevel, type TreeNode } from '../api/types';
 import { membersOf } from './moment';
 import { messageOf } from './request';
 import { applyState, currentState, entities, home, info, openPanel, selected, setCursor, setInfo, setRoots, setSelected, setView } from './store';
@@ -12,6 +12,10 @@ export const [failure, setFailure] = createSignal('');
 export const [isReady, setReady] = createSignal(false);
 /** True once the first panels are there. */
 export const [isSettled, setSettled] = createSignal(false);
+
+export interface KnownMemory { readonly name: string; readonly path?: string | undefined }
+/** All that the gateway shows; the page shows one of them. */
+export const [memories, setMemories] = createSignal<readonly KnownMemory[]>([]);
 
 /** Levels that are asked for at once: all. */
 const kDepth = 4;
@@ -55,11 +59,27 @@ async function suggestPanels(): Promise<void> {
   if (camera) openPanel('similar', camera.id);
 }
 
+/** Another memory may be of another day: times of which it has nothing would show nothing. */
+export function withoutForeignTimes(state: ViewState, known: { first: bigint; last: bigint; max_horizon_ns: bigint }): ViewState {
+  const { cursor, view, ...rest } = state;
+  const isSeen = (from: bigint, to: bigint) => to >= known.first && from <= known.last + known.max_horizon_ns;
+  return { ...rest, ...(cursor !== undefined && isSeen(cursor, cursor) ? { cursor } : {}), ...(view && isSeen(view.from, view.to) ? { view } : {}) };
+}
+
+/** Shows another memory at the same time and with the same panels, as far as it has them. */
+export function showMemory(number: number): void {
+  const { memory: _, ...state } = currentState();
+  location.hash = encodeState(number > 0 ? { ...state, memory: number } : state);
+}
+
 export async function start(): Promise<void> {
   setFailure('');
   try {
-    const [known, tree] = await Promise.all([getJson('info', {}, infoDecoder), askTree()]);
-    const state: ViewState = decodeState(location.hash);
+    const address: ViewState = decodeState(location.hash);
+    askMemory(address.memory ?? 0);
+    const [all, known, tree] = await Promise.all([getJson('memories', {}, memoriesDecoder), getJson('info', {}, infoDecoder), askTree()]);
+    setMemories(all.memories);
+    const state = all.memories.length > 1 ? withoutForeignTimes(address, known) : address;
     batch(() => {
       setInfo(known);
       setRoots(tree);
@@ -87,5 +107,9 @@ export function watchAddress(): void {
     // Browsers allow some 200 changes of the address in 30 s.
     timer = setTimeout(() => { mine = hash; history.replaceState(null, '', hash); }, 180);
   });
-  addEventListener('hashchange', () => { if (location.hash !== mine && info()) applyState(decodeState(location.hash)); });
+  addEventListener('hashchange', () => {
+    // What is known of the one memory says nothing of the other: the page begins anew.
+    if ((decodeState(location.hash).memory ?? 0) !== askedMemory()) return location.reload();
+    if (location.hash !== mine && info()) applyState(decodeState(location.hash));
+  });
 }

@@ -2,6 +2,7 @@
 // What the person looks at: one cursor for everything, one stretch of time, one chosen entity.
 // Panels read these signals; only the functions here write them.
 import { batch, createMemo as createOwnedMemo, createRoot, createSignal } from 'solid-js';
+import { askedMemory } from '../api/client';
 import type { Info, TreeNode } from '../api/types';
 import { clampTime, homeOf, limitsOf, showing, within, type Span } from '../time/span';
 import type { PanelKind, PanelState, ViewState } from './url';
@@ -168,6 +169,7 @@ export function say(text: string): void {
 }
 
 export const currentState = (): ViewState => ({
+  ...(askedMemory() > 0 ? { memory: askedMemory() } : {}),
   cursor: cursor(), view: view(), ...(selection() ? { selection: selection()! } : {}), selected: selected(), collapsed: [...collapsed()],
   panels: panels().map(({ key, kind, entity, paths, options }) => ({ kind, entity, paths, options, ...(heights().has(key) ? { height: heights().get(key)! } : {}) })),
   ...(timelineHeight() === null ? {} : { timeline: timelineHeight()! }),

@@ -3,6 +3,7 @@ import { describe, expect, it } from 'vitest';
 import { decodeState, encodeState, type ViewState } from './url';
 
 const state: ViewState = {
+  memory: 2,
   cursor: 1767251528250000007n,
   view: { from: 1767250800000000001n, to: 1767252180000000003n },
   selection: { from: 1767250800000000005n, to: 1767250800000000009n },

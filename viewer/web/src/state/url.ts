@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The whole view as a short text behind '#', so that a copied link shows the same elsewhere.
 //
-// Form, version 1: `#1&t=CURSOR&v=FROM.LENGTH&r=FROM.LENGTH&s=ENTITY&c=ID,ID&h=HEIGHT&p=PANEL;PANEL`; times are
+// Form, version 1: `#1&m=MEMORY&t=CURSOR&v=FROM.LENGTH&r=FROM.LENGTH&s=ENTITY&c=ID,ID&h=HEIGHT&p=PANEL;PANEL`; times are
 // base 36; a panel is `kind~entity~path,path~key.value,key.value`, and `.` the path of a whole value; its key `height` and `h` of the timeline are in pixels. What cannot be read is left out,
 // so that a link of another version still opens.
 import type { Span } from '../time/span';
@@ -19,6 +19,8 @@ export interface PanelState {
 }
 
 export interface ViewState {
+  /** Which of the gateway's memories; absent for the first. */
+  readonly memory?: number;
   readonly cursor?: bigint;
   readonly view?: Span;
   readonly selection?: Span;
@@ -87,6 +89,7 @@ function readPanel(text: string): PanelState | undefined {
 
 export function encodeState(state: ViewState): string {
   const parts = ['1'];
+  if (state.memory) parts.push(`m=${state.memory}`);
   if (state.cursor !== undefined) parts.push(`t=${timeText(state.cursor)}`);
   if (state.view) parts.push(`v=${spanText(state.view)}`);
   if (state.selection) parts.push(`r=${spanText(state.selection)}`);
@@ -103,6 +106,7 @@ export function decodeState(hash: string): ViewState {
   const fields = new Map(parts.map((part) => [part.slice(0, part.indexOf('=')), part.slice(part.indexOf('=') + 1)]));
   const panels = fields.get('p');
   const state: { -readonly [K in keyof ViewState]: ViewState[K] } = {};
+  if (/^[1-9]\d{0,3}$/.test(fields.get('m') ?? '')) state.memory = Number(fields.get('m'));
   const cursor = readTime(fields.get('t'));
   const view = readSpan(fields.get('v'));
   const selection = readSpan(fields.get('r'));

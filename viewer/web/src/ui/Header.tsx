@@ -4,7 +4,9 @@ import { copyLink, goFirst, goLast, stepBy } from '../state/actions';
 import { isConnected, isFollowing, setFollowing } from '../state/live';
 import { isPlaying, kSpeeds, setSpeed, speed, togglePlay } from '../state/play';
 import { cursor, entities, info, isFuture, last, nodeOf, openPanel, selected, setCursor } from '../state/store';
+import { askedMemory } from '../api/client';
 import { isImage } from '../api/types';
+import { memories, showMemory, type KnownMemory } from '../state/start';
 import type { PanelKind } from '../state/url';
 import { formatClock, formatCount, formatDate, formatDuration } from '../time/format';
 import { Icon, IconButton, type IconName } from './Icon';
@@ -22,11 +24,19 @@ const kPanels: readonly { kind: PanelKind; icon: IconName; title: string; ofEnti
 
 const counted = (count: number | undefined, of: string): string => (count === undefined ? '' : `${formatCount(count)} ${of}`);
 
+/** Stores of one name are told apart by their paths. */
+const nameOf = (one: KnownMemory): string => (memories().filter((other) => other.name === one.name).length > 1 ? one.path ?? one.name : one.name);
+
 export function Header(props: { onDialog: (dialog: 'search' | 'help' | 'time') => void }) {
   return (
     <header class="top">
       <h1><svg class="logo" viewBox="0 0 32 32" aria-hidden="true"><rect width="32" height="32" rx="7" class="logo-back" /><path d="M6 10h13M6 16h9M6 22h11" class="logo-past" /><path d="M23 10h3M19.5 16h3M21.5 22h3" class="logo-next" /></svg>Engram</h1>
-      <span class="store" title={info()?.stores.map((store) => store.path ?? store.name).join('\n')}>{info()?.stores.map((store) => store.name).join(' + ')}
+      <span class="store" title={info()?.stores.map((store) => store.path ?? store.name).join('\n')}>
+        <Show when={memories().length > 1} fallback={info()?.stores.map((store) => store.name).join(' + ')}>
+          <select aria-label="Memory" value={String(askedMemory())} onChange={(event) => showMemory(Number(event.currentTarget.value))}>
+            <For each={memories()}>{(one, i) => <option value={String(i())} title={one.path ?? one.name}>{nameOf(one)}</option>}</For>
+          </select>
+        </Show>
         <small>{[counted(info()?.entities, 'entities'), counted(info()?.snapshots, 'snapshots')].filter((part) => part !== '').join(' · ')}</small></span>
       <div class="transport" role="group" aria-label="Time">
         <IconButton icon="skip-back" label="First snapshot" onClick={goFirst} />
