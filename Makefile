@@ -28,7 +28,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo view bench bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -67,6 +67,7 @@ help:
 	@echo "make reflection-bars 200 faults in kitchens: how many are found, and false alarms (BARS=options)"
 	@echo "make replay-bars is a replay the memory that it was: bytes, leaks, order, seeks (BARS=options)"
 	@echo "make viewer-bars how quick the viewer is, in a browser (BARS='--scale STORE')"
+	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
@@ -248,6 +249,11 @@ reflection-bars: build
 viewer-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/viewer/viewer_bars.py \
 	  build/release/bin/engram build/release/viewer/web --json build/viewer_bars.json $(BARS)
+
+# Options: experiments/viewer/live_bars.py --help
+live-bars: build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/viewer/live_bars.py \
+	  build/release/bin/engram build/release/viewer/web --json build/live_bars.json $(BARS)
 
 # Options: experiments/saliency/saliency_bars.py --help
 saliency-bars: build

@@ -6,6 +6,7 @@
 //   images URL ORDER STEPS      from a key to all forms of the next image, or scattered: the tenth
 //   scrub URL SECONDS           frames while the cursor moves over 4 images and 8 plots
 //   predict URL STEPS           from a key to the predicted value
+//   live URL SECONDS            how old what a following page shows is, and its heap
 //   names URL SECONDS           frames while all names of a large memory scroll by
 import { spawn } from 'node:child_process';
 import { createRequire } from 'node:module';
@@ -138,6 +139,39 @@ const tasks = {
     await page.mouse.up();
     if (moved === before) throw new Error(`The cursor stayed at ${before} % while it was dragged.`);
     return { frames, panels };
+  },
+  async live(url, seconds) {
+    const page = await open(url);
+    await page.getByRole('slider', { name: 'Cursor in time' }).waitFor();
+    await choose(page, 'joints');
+    await page.locator('.tile canvas').first().waitFor();
+    await page.waitForTimeout(3000);
+    const session = await page.context().newCDPSession(page);
+    await session.send('HeapProfiler.enable');
+    // Times of commits are those of the clock of this machine. What is drawn is seen with the next frame.
+    await page.evaluate(() => {
+      const ages = { clock: [], value: [], image: [] };
+      globalThis.ages = ages;
+      const day = () => document.querySelector('.clock .date').textContent;
+      const clock = () => { const at = ['.time', '.nano'].map((name) => document.querySelector(`.clock ${name}`).textContent).join('').replace(/[^\d:.]/g, ''); return Date.parse(`${day()}T${at.slice(0, 12)}Z`); };
+      let before = { clock: '', value: '', image: 0 };
+      const watch = () => {
+        const now = { clock: document.querySelector('.clock').textContent, value: document.querySelector('[data-panel=inspector]')?.textContent ?? '', image: globalThis.drawn.count };
+        const age = Date.now() - clock();
+        for (const name of Object.keys(ages)) if (now[name] !== before[name] && age < 60_000 && ages[name].length < 20_000) ages[name].push(age);
+        before = now;
+        requestAnimationFrame(watch);
+      };
+      watch();
+    });
+    const heap = [];
+    const end = Date.now() + 1000 * Number(seconds);
+    while (Date.now() < end) {
+      await page.waitForTimeout(Math.min(30_000, (1000 * Number(seconds)) / 12));
+      await session.send('HeapProfiler.collectGarbage');
+      heap.push((await session.send('Runtime.getHeapUsage')).usedSize / 2 ** 20);
+    }
+    return { ages: await page.evaluate(() => globalThis.ages), heap_mb: heap };
   },
   async names(url, seconds) {
     const page = await open(url);
