@@ -58,7 +58,8 @@ void write_options(const CLI::App& app, std::ostream& out) {
 
 void write_command(const CLI::App& app, size_t depth, std::ostream& out) {
   out << kCommand << '\t' << depth << '\t' << app.get_name() << '\t'
-      << app.get_require_subcommand_min() << '\t' << app.get_require_subcommand_max() << '\n';
+      << app.get_require_subcommand_min() << '\t' << app.get_require_subcommand_max() << '\t'
+      << app.get_allow_extras() << '\n';
   write_options(app, out);
   for (const CLI::App* below : app.get_subcommands([](const CLI::App*) { return true; }))
     write_command(*below, depth + 1, out);
@@ -96,6 +97,7 @@ void read_line(std::vector<CLI::App*>& path, const std::vector<std::string>& fie
     else
       path.push_back(path.back()->add_subcommand(fields.at(2)));
     path.back()->require_subcommand(std::stoul(fields.at(3)), std::stoul(fields.at(4)));
+    path.back()->allow_extras(fields.at(5) != "0");
   } else if (kind == kOption) {
     add_option(*path.back(), fields);
   } else if (kind == kNeeds) {
