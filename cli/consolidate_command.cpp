@@ -12,6 +12,7 @@
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
+#include "ltm/store/night_records.h"
 #include "reports/consolidate_text.h"
 #include "training/fit/job_pace.h"
 #include "training/night/consolidate.h"
@@ -62,6 +63,7 @@ struct ConsolidateArguments {
   const CLI::Option* psnr = nullptr;
   int jobs = 0;
   bool is_part = false;
+  std::optional<int64_t> began_ns;  ///< Of the job whose part this is.
   std::string access = "50ms";
   bool drops_raw = false;
   bool is_dry_run = false;
@@ -93,6 +95,25 @@ Status drop_all(const ConsolidateArguments& arguments, const training::Consolida
     dropped.push_back({entity.entity, *done, times.total()});
   }
   return {};
+}
+
+/// What is dropped belongs to the record of the same night, as far as it came.
+Status drop_and_record(const ConsolidateArguments& arguments,
+                       const training::ConsolidateReport& report, const ProgressSink& progress,
+                       std::vector<reports::DroppedRaw>& dropped) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      ltm::NightAccount account,
+      ltm::NightAccount::open(arguments.store, ltm::NightWork::kConsolidate, report.began));
+  const Status done = drop_all(arguments, report, progress, dropped);
+  for (const reports::DroppedRaw& one : dropped)
+    if (one.report.snapshots > 0) account.of(one.entity).dropped = one.report.snapshots;
+  const bool is_told = !done.ok() || std::ranges::any_of(dropped, [](const auto& one) {
+    return one.report.snapshots > 0;
+  });
+  if (!is_told) return {};
+  if (const Status written = account.write(system_now(), done); !written.ok())
+    log::warning("what was dropped is not written down: {}", written.message());
+  return done;
 }
 
 Status finish_grace(const std::string& text, training::DropOptions& drop) {
@@ -139,7 +160,7 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
   if (!arguments.is_json) reports::print_report(*report);
   std::vector<reports::DroppedRaw> dropped;
   if (arguments.drops_raw) {
-    const Status status = drop_all(arguments, *report, progress.sink(), dropped);
+    const Status status = drop_and_record(arguments, *report, progress.sink(), dropped);
     progress.finish();
     if (!status.ok()) return fail(status);
   }
@@ -177,6 +198,7 @@ std::vector<std::string> arguments_of_parts(const ConsolidateArguments& argument
                                                  "--json", "--budget", "--until"});
   if (const auto& until = arguments.options.job.until)
     texts.push_back("--until=" + to_string(*until) + "Z");
+  texts.push_back(fmt::format("{}={}", kBeganOption, to_ns(system_now())));
   return texts;
 }
 
@@ -193,6 +215,7 @@ ExitCode run(ConsolidateArguments& arguments) {
   options.representation.bound_db = arguments.psnr->empty() ? 0 : options.train.psnr_db;
   if (const Status status = options.validate(); !status.ok()) return wrong_usage(status);
   if (arguments.is_part) end_with_parent();
+  if (arguments.began_ns) options.job.began = time_from_ns(*arguments.began_ns);
   if (arguments.is_dry_run) return show_plan(arguments);
   if (wants_processes(arguments)) {
     const auto plan = training::plan_consolidation(arguments.store, options, interrupt_token());
@@ -228,6 +251,7 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
       ->check(CLI::Range(0, 2))
       ->capture_default_str();
   command->add_flag(kPartOption, arguments->is_part)->group("");
+  command->add_option(kBeganOption, arguments->began_ns)->group("");
   command
       ->add_option(
           "--representation", arguments->representation,

@@ -21,6 +21,8 @@ namespace engram::cli {
 
 /// The option that marks a child of run_jobs(), beside its parent's options.
 inline constexpr const char* kPartOption = "--part";
+/// When the whole job began, in nanoseconds, so that its parts are one night in the store.
+inline constexpr const char* kBeganOption = "--began";
 
 /// Consolidates each group of entities in a process of its own, prints their reports, and returns
 /// the worst of their exit codes. `arguments` follow the name of the command.

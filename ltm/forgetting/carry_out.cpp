@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/forgetting/carry_out.h"
 
+#include <algorithm>
+
+#include "ltm/core/log.h"
 #include "ltm/forgetting/plan_forgetting.h"
 #include "ltm/saliency/pending_saliency.h"
 #include "ltm/store/night_lock.h"
+#include "ltm/store/night_records.h"
 
 namespace engram::ltm {
 
@@ -77,6 +81,27 @@ Status finish_erasure(const std::filesystem::path& store, ErasureReport& report)
   return write_erasure_report(store, system_now(), report);
 }
 
+/// Adds what one round took of each entity. Of a round that was stopped in between it is not known.
+void tell(const ForgetPlan& plan, const Round& round, NightAccount& account) {
+  if (!round.is_cancelled())
+    for (const auto& [id, times] : plan.to_set()) account.of(id).forgotten += times.size();
+  for (const auto& [id, faded] : round.faded.entities) {
+    if (faded.faded == 0) continue;
+    NightEntity& entity = account.of(id);
+    entity.faded += faded.faded;
+    entity.min_psnr_db = std::min(entity.min_psnr_db.value_or(faded.certain_db), faded.certain_db);
+  }
+}
+
+/// Writes down what was done until now. Forgetting does not fail for its record.
+void write_down(NightAccount& account, const ForgetReport& report) {
+  if (report.rewritten.snapshots == 0 && report.faded.faded() == 0) return;
+  const bool is_cancelled = report.rewritten.is_cancelled || report.faded.is_cancelled;
+  const Status written =
+      account.write(system_now(), is_cancelled ? cancelled("stopped") : Status());
+  if (!written.ok()) log::warning("what was forgotten is not written down: {}", written.message());
+}
+
 }  // namespace
 
 Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan plan,
@@ -90,6 +115,8 @@ Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan pl
     lock.emplace(std::move(taken));
     report.erased.emplace();
   }
+  ENGRAM_ASSIGN_OR_RETURN(NightAccount account,
+                          NightAccount::open(store, NightWork::kForget, system_now()));
   // What was forgotten before is looked for even if nothing goes now.
   for (bool is_first = true; (is_first && tools.code_anew) || plan.snapshots() + plan.fading() > 0;
        is_first = false) {
@@ -102,6 +129,9 @@ Result<ForgetReport> carry_out(const std::filesystem::path& store, ForgetPlan pl
     }
     report.faded.add(round.faded);
     ++report.rounds;
+    // Before a quota is looked at again, because the record is part of what the store takes.
+    tell(plan, round, account);
+    write_down(account, report);
     // If a round did nothing, because others were faster or nothing was to be gained, the next one
     // would do nothing either, unless it takes what this one wanted to let fade.
     const bool has_faded = round.faded.settled() > 0;

@@ -24,6 +24,7 @@
 #include "training/night/entity_work.h"
 #include "training/night/expected_encoding.h"
 #include "training/night/plan_entity.h"
+#include "training/night/record_night.h"
 #include "training/night/time_shares.h"
 
 namespace engram::training {
@@ -243,6 +244,28 @@ void index_places(const std::filesystem::path& store, const ConsolidateOptions& 
                  indexed.status().message());
 }
 
+Status work_through(const std::filesystem::path& store, const ConsolidateOptions& options,
+                    Jobs& jobs, JobPace& pace, ConsolidateReport& report) {
+  TimeTable time(options, jobs.entities);
+  ENGRAM_RETURN_IF_ERROR(time.measure());
+  report.entities.resize(jobs.entities.size());
+  for (size_t at = 0; at < time.order().size(); ++at) {
+    ENGRAM_ASSIGN_OR_RETURN(const auto allotment, time.next(at));
+    const EntityJob& job = jobs.entities[time.order()[at]];
+    EntityReport& one = report.entities[time.order()[at]];
+    if (!allotment) {
+      one = skip_entity(job.work, job.planned, nothing_encoded());
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(one, consolidate_job(store, job, *allotment));
+    }
+    one.expected_encoding_seconds = job.encoding.seconds;
+    one.costs = *job.costs;
+  }
+  ENGRAM_RETURN_IF_ERROR(look_back(store, jobs, options, pace, report));
+  index_places(store, options, pace);
+  return {};
+}
+
 }  // namespace
 
 Result<ConsolidatePlan> plan_consolidation(const std::filesystem::path& store,
@@ -264,29 +287,19 @@ Result<ConsolidateReport> consolidate(const std::filesystem::path& store,
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto lock, ltm::NightLock::of_learning(store));
   JobPace pace(busy.get(), progress, stop, options.job.until);
+  ConsolidateReport report;
+  report.began = options.job.began.value_or(system_now());
   ENGRAM_ASSIGN_OR_RETURN(Jobs jobs, Jobs::make(store, options, pace));
+  ENGRAM_ASSIGN_OR_RETURN(
+      ltm::NightAccount account,
+      ltm::NightAccount::open(store, ltm::NightWork::kConsolidate, report.began));
   if (const Status removed = ltm::remove_checkpoints_of_others(store, jobs.reader->entities());
       !removed.ok())
     log::warning("a stale checkpoint stays: {}", removed.message());
   if (plan) plan(jobs.plan);
-  TimeTable time(options, jobs.entities);
-  ENGRAM_RETURN_IF_ERROR(time.measure());
-  ConsolidateReport report;
-  report.entities.resize(jobs.entities.size());
-  for (size_t at = 0; at < time.order().size(); ++at) {
-    ENGRAM_ASSIGN_OR_RETURN(const auto allotment, time.next(at));
-    const EntityJob& job = jobs.entities[time.order()[at]];
-    EntityReport& one = report.entities[time.order()[at]];
-    if (!allotment) {
-      one = skip_entity(job.work, job.planned, nothing_encoded());
-    } else {
-      ENGRAM_ASSIGN_OR_RETURN(one, consolidate_job(store, job, *allotment));
-    }
-    one.expected_encoding_seconds = job.encoding.seconds;
-    one.costs = *job.costs;
-  }
-  ENGRAM_RETURN_IF_ERROR(look_back(store, jobs, options, pace, report));
-  index_places(store, options, pace);
+  const Status done = work_through(store, options, jobs, pace, report);
+  record_night(std::move(account), jobs.plan, report, done);
+  ENGRAM_RETURN_IF_ERROR(done);
   return report;
 }
 

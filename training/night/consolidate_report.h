@@ -46,6 +46,7 @@ struct EntityReport {
 };
 
 struct ConsolidateReport {
+  Time began{};  ///< Names the night in the store's records (ltm/store/night_records.h).
   std::vector<EntityReport> entities;  ///< Sorted by name.
   /// Of the entities with images: what was done so that moments like others are found.
   std::vector<ltm::EntityCoding> codes;

@@ -13,6 +13,8 @@ namespace engram::training {
 struct JobControl {
   /// The job, including encoding, ends at about this moment, and the budget is ignored.
   std::optional<Time> until;
+  /// When the job began, of which this is a part; nothing: it begins now, and alone.
+  std::optional<Time> began;
   /// Time between two checkpoints of training, from which a later job continues. A checkpoint takes
   /// about 12 bytes of disk per weight. Zero turns them off.
   Duration checkpoint_interval = std::chrono::minutes(1);

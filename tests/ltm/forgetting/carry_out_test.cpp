@@ -9,6 +9,7 @@
 
 #include "ltm/saliency/make_saliency.h"
 #include "ltm/saliency/saliency_table.h"
+#include "ltm/store/night_records.h"
 #include "ltm/store/publish.h"
 #include "tests/ltm/forgetting/forget_fixture.h"
 
@@ -116,6 +117,32 @@ TEST_F(CarryOut, ARuleThatKeepsAShareTakesNothingWhenItRunsAgain) {
   const auto second = plan(options);
   ASSERT_OK(second);
   EXPECT_EQ(second->snapshots(), 0u);
+}
+
+TEST_F(CarryOut, WritesDownWhatWentInAllRounds) {
+  seal_noise(8, 3000);
+  EXPECT_OK(carry_out(store_, *plan({}), {}));
+  EXPECT_TRUE(read_nights(store_, 9)->nights.empty());
+  ForgetOptions options;
+  options.max_bytes = *directory_bytes(store_) / 2;
+  const auto made = plan(options);
+  ASSERT_OK(made);
+  const auto report = carry_out(store_, *made, again(options, *made));
+  ASSERT_OK(report);
+  EXPECT_LE(report->bytes_after, *options.max_bytes);
+  const auto found = read_nights(store_, 9);
+  ASSERT_OK(found);
+  ASSERT_EQ(found->nights.size(), 1u);
+  const NightRecord& night = found->nights[0];
+  EXPECT_EQ(night.work, NightWork::kForget);
+  EXPECT_EQ(night.failure, "");
+  uint64_t forgotten = 0;
+  for (const NightEntity& entity : night.entities) {
+    forgotten += entity.forgotten;
+    EXPECT_LT(entity.bytes_after, entity.bytes_before);
+  }
+  EXPECT_EQ(forgotten, report->rewritten.snapshots);
+  EXPECT_EQ(night.entities.size(), 2u);
 }
 
 TEST_F(CarryOut, AQuotaLeavesAsMuchAsItAllows) {

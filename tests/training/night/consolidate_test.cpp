@@ -10,6 +10,7 @@
 #include "encoders/model_file.h"
 #include "ltm/recall/recall.h"
 #include "ltm/recording/recorder.h"
+#include "ltm/store/night_records.h"
 #include "tests/training/recorded_scene.h"
 #include "training/quality/quality_metrics.h"
 
@@ -60,6 +61,44 @@ TEST(Consolidate, PublishesLatentsThatAQueryDecodes) {
   EXPECT_EQ(snapshots[5].source, ltm::Source::kReconstructed);
   const auto error = compare(engram::testing::scene_at(5), snapshots[5].instances[0].data);
   EXPECT_DOUBLE_EQ(error->image_mse, snapshots[5].instances[0].error->image_mse);
+}
+
+TEST(Consolidate, WritesDownWhatItDid) {
+  const ScratchPath store("written-down");
+  record(store.path(), "Test/Scene/sim/square", 0, 20);
+  record(store.path(), "Test/Scene/sim/few", 0, 3);
+  const auto report = consolidate(store.path(), quick_consolidation(), {}, {});
+  ASSERT_TRUE(report.ok()) << report.status().to_string();
+  auto found = ltm::read_nights(store.path(), 9);
+  ASSERT_TRUE(found.ok()) << found.status().to_string();
+  ASSERT_EQ(found->nights.size(), 1u);
+  const ltm::NightRecord night = found->nights[0];
+  EXPECT_EQ(night.work, ltm::NightWork::kConsolidate);
+  EXPECT_EQ(night.began, report->began);
+  EXPECT_EQ(night.failure, "");
+  // Of the other entity there is too little, as its plan said.
+  ASSERT_EQ(night.entities.size(), 1u);
+  const ltm::NightEntity& entity = night.entities[0];
+  EXPECT_EQ(entity.entity, id("Test/Scene/sim/square"));
+  EXPECT_EQ(entity.encoded, 20u);
+  EXPECT_EQ(entity.learned, report->entities[1].training.used_snapshots);
+  EXPECT_EQ(entity.models_added, std::vector{1});
+  EXPECT_NEAR(*entity.psnr_db, report->entities[1].mean_psnr_db, 0.006);
+  EXPECT_NEAR(*entity.min_psnr_db, report->entities[1].minimum_psnr_db, 0.006);
+  const auto summary = (*ltm::StoreReader::open(store.path()))->summary(entity.entity);
+  EXPECT_EQ(entity.bytes_after - entity.bytes_before, summary->latent_bytes + summary->model_bytes);
+
+  // A night that is stopped says so, and one with nothing to do says that.
+  record(store.path(), "Test/Scene/sim/square", 20, 20);
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(consolidate(store.path(), quick_consolidation(), {}, stop.get_token()).status().code(),
+            StatusCode::kCancelled);
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  ASSERT_TRUE(consolidate(store.path(), quick_consolidation(), {}, {}).ok());
+  found = ltm::read_nights(store.path(), 9);
+  EXPECT_TRUE(found->nights.at(0).entities.empty());
+  EXPECT_EQ(found->nights.at(1).entities.at(0).entity, id("Test/Scene/sim/square"));
 }
 
 TEST(Consolidate, KeepsEveryImageWithinTheBound) {
