@@ -25,6 +25,10 @@ void add_snapshots(const std::vector<Link>& found, std::vector<MemoryId>& ids) {
 
 }  // namespace
 
+Status ForgetSource::check_stop() const {
+  return stop_.stop_requested() ? cancelled("the plan was stopped; nothing was changed") : Status();
+}
+
 const SaliencyTable& ForgetSource::saliency() {
   if (!saliency_) saliency_ = SaliencyTable::read(store(), accesses_);
   return *saliency_;
@@ -37,6 +41,7 @@ SaliencyCut ForgetSource::saliency_cut(const EntityPattern& match, double share)
 }
 
 Result<double> ForgetSource::confidence(const MemoryId& entity, const SnapshotEntry& entry) {
+  ENGRAM_RETURN_IF_ERROR(check_stop());
   if (!entry.recorded) {
     ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store().read_latent(entity, entry));
     return most_confident(latents.instances);
@@ -46,6 +51,7 @@ Result<double> ForgetSource::confidence(const MemoryId& entity, const SnapshotEn
 }
 
 Result<Snapshot> ForgetSource::read(const MemoryId& entity, const SnapshotEntry& entry) {
+  ENGRAM_RETURN_IF_ERROR(check_stop());
   if (entry.recorded) return store().read_recorded(entity, entry);
   ENGRAM_ASSIGN_OR_RETURN(const QueryResult answer,
                           recall_.query(Query::of_entity(entity, select::At{entry.time})));
@@ -59,6 +65,7 @@ Result<Snapshot> ForgetSource::read(const MemoryId& entity, const SnapshotEntry&
 
 Result<std::vector<MemoryId>> ForgetSource::links(const MemoryId& entity,
                                                   const SnapshotEntry& entry) {
+  ENGRAM_RETURN_IF_ERROR(check_stop());
   std::vector<MemoryId> ids;
   if (!entry.recorded) {
     ENGRAM_ASSIGN_OR_RETURN(const LatentSnapshot latents, store().read_latent(entity, entry));

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,9 +19,10 @@ namespace engram::ltm {
 /// Threading: one thread.
 class ForgetSource {
  public:
-  /// To read values of latents, `recall` needs a loader. Both must outlive this.
-  ForgetSource(Recall& recall, const AccessTable& accesses)
-      : recall_(recall), accesses_(accesses) {}
+  /// To read values of latents, `recall` needs a loader. Both must outlive this. After `stop` each
+  /// read fails with kCancelled, so that policies that read much end soon.
+  ForgetSource(Recall& recall, const AccessTable& accesses, std::stop_token stop = {})
+      : recall_(recall), accesses_(accesses), stop_(std::move(stop)) {}
 
   [[nodiscard]] StoreReader& store() { return recall_.store(); }
 
@@ -49,8 +51,11 @@ class ForgetSource {
   Result<std::vector<MemoryId>> links(const MemoryId& entity, const SnapshotEntry& entry);
 
  private:
+  [[nodiscard]] Status check_stop() const;
+
   Recall& recall_;
   const AccessTable& accesses_;
+  std::stop_token stop_;
   std::optional<SaliencyTable> saliency_;
   std::map<std::pair<std::string, double>, SaliencyCut> cuts_;
 };

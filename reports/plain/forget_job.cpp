@@ -20,7 +20,7 @@ Result<ltm::ForgetPlan> ForgetJob::plan_with(const ltm::ForgetOptions& with) con
   const ltm::AccessTable accesses = ltm::read_accesses(store);
   ltm::StoreReader* const opened = reader.get();
   ltm::Recall recall(std::move(reader), loader);
-  ltm::ForgetSource source(recall, accesses);
+  ltm::ForgetSource source(recall, accesses, stop);
   ltm::ForgetPlan plan;
   if (targets.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(plan, ltm::plan_forgetting(source, with, context));
