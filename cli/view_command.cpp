@@ -16,6 +16,7 @@
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
 #include "ltm/core/private_file.h"
+#include "memory/model_loader.h"
 #include "viewer/viewer.h"
 
 namespace engram::cli {
@@ -123,6 +124,7 @@ ExitCode run(const ViewArguments& arguments) {
     viewer::ViewedMemory::Options& memory = options.memories.emplace_back();
     memory.name = name_of(source, arguments);
     memory.store = source;
+    memory.loader = model_loader();
     memory.open = [source, arguments](bool prefers_latents) {
       return open_memory(source,
                          {.is_read_only = true,

@@ -7,7 +7,6 @@
 #include <span>
 
 #include "ltm/core/ascii.h"
-#include "reports/plain/store_text.h"
 #include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
 
@@ -262,22 +261,6 @@ ViewAnswer answer_find(ViewedMemory& viewed, const RequestTarget& target) {
     found.push_back(std::move(id));
   }
   return json_response({{"found", std::move(found)}, {"more", has_more}});
-}
-
-ViewAnswer answer_nights(ViewedMemory& viewed, const RequestTarget& /*target*/) {
-  TreeJson entities;
-  ENGRAM_RETURN_IF_ERROR(viewed.with_store([&](const StoreView& view) -> Status {
-    entities = TreeJson::array();
-    for (const ltm::MemoryId& entity : view.reader.entities()) {
-      ENGRAM_ASSIGN_OR_RETURN(const ltm::EntitySummary summary, view.reader.summary(entity));
-      ENGRAM_ASSIGN_OR_RETURN(const ltm::StoredForms forms, view.reader.newest_forms(entity));
-      TreeJson json = reports::stored_entity_json(summary, forms, 0);
-      json.erase("rate_hz");
-      entities.push_back(std::move(json));
-    }
-    return {};
-  }));
-  return bounded_json({{"entities", std::move(entities)}});
 }
 
 }  // namespace engram::viewer

@@ -18,7 +18,7 @@ struct Question {
   AnswerFunction answer;
 };
 
-constexpr std::array<Question, 15> kQuestions{{
+constexpr std::array<Question, 17> kQuestions{{
     {"/api/info", answer_info},
     {"/api/tree", answer_tree},
     {"/api/find", answer_find},
@@ -34,6 +34,8 @@ constexpr std::array<Question, 15> kQuestions{{
     {"/api/links", answer_links},
     {"/api/map", answer_map},
     {"/api/quality", answer_quality},
+    {"/api/reflection", answer_reflection},
+    {"/api/forgetting", answer_forgetting},
 }};
 
 }  // namespace
@@ -57,6 +59,20 @@ ViewAnswer bounded_json(const nlohmann::ordered_json& json) {
     return resource_exhausted("the answer has {} bytes, needs at most {}: ask for less",
                               response.body.size(), kMaxAnswerBytes);
   return response;
+}
+
+Result<LongQuestion> long_question(const RequestTarget& target) {
+  constexpr size_t kMaxPageName = 64;
+  LongQuestion question;
+  question.page = target.find("page").value_or("");
+  if (question.page.size() > kMaxPageName)
+    return invalid_argument("parameter 'page': has {} bytes, needs at most {}",
+                            question.page.size(), kMaxPageName);
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t budget, target.integer("budget", 1, 60'000, 20'000));
+  question.budget = std::chrono::milliseconds(budget);
+  ENGRAM_ASSIGN_OR_RETURN(const int64_t stop, target.integer("stop", 0, 1, 0));
+  question.is_called_off = stop == 1;
+  return question;
 }
 
 HttpResponse binary_response(std::span<const std::byte> bytes) {

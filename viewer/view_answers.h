@@ -37,6 +37,8 @@ ViewAnswer answer_similar(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_links(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_map(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_quality(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_reflection(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_forgetting(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_image(ViewedMemory& viewed, const HttpRequest& request,
                         const RequestTarget& target);
 
@@ -46,6 +48,15 @@ inline constexpr size_t kMaxAnswerBytes = size_t{16} << 20;
 /// JSON in an answer, unless it is too large.
 /// Errors: kResourceExhausted.
 ViewAnswer bounded_json(const nlohmann::ordered_json& json);
+
+/// A question that may take long.
+struct LongQuestion {
+  std::string page;            ///< Who asks: a new question takes the place of the one before.
+  Duration budget{};           ///< How long it may take.
+  bool is_called_off = false;  ///< Whether the one before is to end instead.
+};
+/// Reads `page`, `budget` in milliseconds, and `stop`. Errors: kInvalidArgument.
+Result<LongQuestion> long_question(const RequestTarget& target);
 
 /// Numbers as bytes, little endian.
 [[nodiscard]] HttpResponse binary_response(std::span<const std::byte> bytes);

@@ -11,10 +11,12 @@
 
 #include "ltm/core/mutex.h"
 #include "ltm/idf/type.h"
+#include "ltm/recall/model.h"
 #include "ltm/store/store_mark.h"
 #include "ltm/store/store_reader.h"
 #include "memory/memory.h"
 #include "viewer/kept_numbers.h"
+#include "viewer/long_questions.h"
 
 namespace engram::viewer {
 
@@ -36,6 +38,8 @@ class ViewedMemory {
     std::filesystem::path store;  ///< Empty: a server is shown.
     /// Opens the memory; with `prefers_latents` it answers from latents where it can.
     std::function<Result<std::unique_ptr<Memory>>(bool prefers_latents)> open;
+    /// Opens the models of the store, where a plan of forgetting has to see what latents show.
+    ltm::ModelLoader loader = {};
     /// How long a reader may show an earlier state of a store that grows. Opening one costs
     /// milliseconds, and a journal that is written changes with each commit.
     Duration max_age = std::chrono::milliseconds(200);
@@ -62,6 +66,8 @@ class ViewedMemory {
   /// The same memory, answering from latents where a snapshot has both forms.
   /// Errors: kFailedPrecondition for a server, which has its preference configured.
   Result<Memory*> latents();
+
+  [[nodiscard]] LongQuestions& long_questions() { return long_questions_; }
 
   /// Calls `read` with the store's present state; again with a new one if the store was changed
   /// under it, three times in all. So `read` begins from nothing each time.
@@ -102,6 +108,7 @@ class ViewedMemory {
 
   const Options options_;
   std::unique_ptr<Memory> memory_;
+  LongQuestions long_questions_;
   Mutex mutex_;
   std::unique_ptr<Memory> latents_ ENGRAM_GUARDED_BY(mutex_);
   std::unique_ptr<Memory> for_long_questions_ ENGRAM_GUARDED_BY(mutex_);

@@ -55,6 +55,11 @@ Result<std::unique_ptr<Viewer>> Viewer::start(Options options) {
   return viewer;
 }
 
+Viewer::~Viewer() {
+  // Nobody waits for these any more.
+  for (const auto& memory : memories_) memory->long_questions().call_off_all();
+}
+
 void Viewer::follow(size_t number) {
   Gateway* const gateway = gateway_.get();
   SubscriptionHandlers handlers{

@@ -32,6 +32,9 @@ class Viewer {
   /// this machine could reach it; those of ViewedMemory::open and Gateway::listen.
   static Result<std::unique_ptr<Viewer>> start(Options options);
 
+  /// Calls off questions that take long, and ends after the other ones.
+  ~Viewer();
+
   /// What a person opens. It has the token, so who sees it may look.
   [[nodiscard]] std::string url() const { return gate_->url(); }
 
