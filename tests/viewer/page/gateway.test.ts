@@ -7,8 +7,8 @@ import { choose, coloursOf, useBrowser, visit, type VisitOptions } from './brows
 const url = process.env.VIEW_URL;
 /** The first questions load models, learn, and code images; others of that kind wait for them. */
 const kFirst = { timeout: 100_000 };
-// A form that a snapshot does not have is an answer, too.
-const options: VisitOptions = { url: url ?? '', expected: /404/ };
+// A form that a snapshot does not have is an answer, too, and so is what is wrong in a form.
+const options: VisitOptions = { url: url ?? '', expected: /40[04]/ };
 
 useBrowser();
 
@@ -41,6 +41,43 @@ describe.skipIf(!url)('a kitchen behind its gateway', () => {
     await page.keyboard.press('f');
     const facts = page.getByLabel(/^Inspector/).locator('.facts').first();
     await expect.poll(() => facts.textContent(), kFirst).toMatch(/predicted.*Horizon\+\d+ ms/s);
+  });
+
+  it('tells what its night did, what is odd in it, and what forgetting would do', async () => {
+    const { page, context } = await visit(options);
+    await context.grantPermissions(['clipboard-read', 'clipboard-write']);
+    await page.keyboard.press('n');
+    const panel = page.locator('[data-panel=nights]');
+    const kept = async (name: string) => Number((await panel.locator('.bytes tr', { has: page.getByRole('button', { name, exact: true }) }).locator('td').first().textContent())!.replace(/\s/g, ''));
+    await panel.getByText(/plain, kept in/).waitFor(kFirst);
+    const joints = await kept('RobotState/Proprioception/robot/joints');
+    const images = await kept('Vision/RGB/head/stereo');
+    await panel.getByRole('button', { name: 'Nights', exact: true }).click();
+    await panel.locator('.night-head').click();
+    const row = panel.locator('.night-table tbody tr');
+    await row.getByText(/^\d\d\.\d dB$/).first().waitFor(kFirst);
+    expect(await row.count()).toBe(1);
+    expect((await row.textContent())!.replace(/\s/g, '')).toMatch(new RegExp(`^Vision/RGB/head/stereo.*${images}.*\\+v1$`));
+    await panel.getByText('No reflection was recorded after this night').waitFor(kFirst);
+    await panel.getByRole('button', { name: 'Reflection' }).click();
+    await panel.getByText('No reflection yet').waitFor(kFirst);
+    await panel.getByRole('button', { name: 'Look now' }).click();
+    await panel.getByText(/which is not recorded/).waitFor(kFirst);
+    await panel.getByRole('button', { name: 'Forgetting' }).click();
+    await panel.getByLabel('Entities').fill('RobotState/Proprioception');
+    await panel.getByLabel('Go when older than').fill('0s');
+    await panel.getByLabel('Keep the newest').fill('3');
+    await page.keyboard.press('Enter');
+    const first = panel.locator('.plan tbody tr').nth(1);
+    await first.waitFor(kFirst);
+    expect(await first.locator('th').textContent()).toBe('RobotState/Proprioception/robot/joints');
+    expect((await first.locator('td').nth(1).textContent())!.replace(/\s/g, '')).toBe(String(joints - 3));
+    expect(await first.locator('td').nth(3).textContent()).toBe('3');
+    await panel.getByRole('button', { name: 'Copy engram forget' }).click();
+    expect(await page.evaluate(() => navigator.clipboard.readText())).toMatch(/older_than: 0s[^]*newest: 3\nEND\nengram forget \S+kitchen\.engram --config forget\.yaml$/);
+    await panel.getByLabel('Store at most').fill('little');
+    await page.keyboard.press('Enter');
+    await panel.getByRole('alert').getByText("“Store at most”: found 'little', needs a size such as 500MB or 20GiB").waitFor(kFirst);
   });
 
   it('tells what is not there, and goes on', async () => {

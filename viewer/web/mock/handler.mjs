@@ -6,6 +6,7 @@ import { membersOf, seriesValue } from './values.mjs';
 import { entityOf, linksOf, mapOf, momentAt, predicted, Refusal, similarTo, snapshotAt, splitId } from './moments.mjs';
 import { depthOf, errorMap, psnr, reconstruct, scene } from './paint.mjs';
 import { kRecording } from './live.mjs';
+import { forgetting, nights, reflection } from './nights.mjs';
 import { png } from './png.mjs';
 import { tree } from './tree.mjs';
 
@@ -116,19 +117,6 @@ function step(query, committed) {
   return json({ time: `${kStart + BigInt(entity.times[index])}` });
 }
 
-function nights() {
-  const rows = [...kEntities.values()].map((entity) => {
-    const latent = entity.times.filter((offset) => formOf(entity, offset) === 1).length;
-    const recorded = entity.times.filter((offset) => isRecorded(entity, offset)).length;
-    return {
-      id: entity.id, snapshots: entity.times.length, raw_bytes: entity.times.length * entity.bytes, stored_bytes: Math.round(recorded * entity.bytes * 0.38),
-      latent_bytes: Math.round(latent * entity.bytes * 0.006), model_bytes: latent > 0 ? 1_420_000 : 0,
-      ...(entity.kind.includes('camera') ? { psnr: { mean: 31.4, min: 26.1, max: 36.8, bins: [26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36], counts: [3, 18, 70, 190, 520, 930, 1100, 640, 210, 60, 8] } } : {}),
-    };
-  });
-  return json({ entities: rows, reflections: [{ kind: 'gap', text: 'Nothing was recorded for 55 s from 07:08:17 on.' }, { kind: 'skill', text: 'pick: 39 of 46 succeeded.' }] });
-}
-
 function find(query) {
   const text = (query.get('text') ?? '').toLowerCase();
   const max = Number(query.get('max') ?? 20);
@@ -181,7 +169,7 @@ const info = () => json({
 
 const routes = {
   memories: () => json({ memories: [{ name: 'kitchen.engram', path: '/data/kitchen.engram', is_live: false }] }),
-  info, density, series, image, predict, step, nights, find, similar, links, map, quality,
+  info, density, series, image, predict, step, nights, find, similar, links, map, quality, reflection, forgetting,
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),
   members: (query) => json({ members: membersOf(entityOf(need(query, 'entity'))) }),

@@ -2,7 +2,6 @@
 import { createEffect, createMemo, createSignal, For, lazy, on, Match, onCleanup, onMount, Show, Suspense, Switch } from 'solid-js';
 import { ImagesPanel } from './panels/images/ImagesPanel';
 import { Inspector } from './panels/Inspector';
-import { NightsPanel } from './panels/nights/NightsPanel';
 import { PlotPanel } from './panels/plot/PlotPanel';
 import { QueryPanel } from './panels/QueryPanel';
 import { SimilarPanel } from './panels/SimilarPanel';
@@ -23,6 +22,7 @@ import { Splitter } from './ui/Splitter';
 // Who opens no 3-D panel never loads three.js, which is large; nor what else few open.
 const ScenePanel = lazy(() => import('./panels/scene/ScenePanel'));
 const MapPanel = lazy(() => import('./panels/map/MapPanel'));
+const NightsPanel = lazy(() => import('./panels/nights/NightsPanel'));
 
 function AnyPanel(props: { panel: Panel }) {
   return (
@@ -31,7 +31,7 @@ function AnyPanel(props: { panel: Panel }) {
       <Match when={props.panel.kind === 'plot'}><PlotPanel panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'inspector'}><Inspector panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'similar'}><SimilarPanel panel={props.panel} /></Match>
-      <Match when={props.panel.kind === 'nights'}><NightsPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'nights'}><Suspense fallback={<div class="panel skeleton" />}><NightsPanel panel={props.panel} /></Suspense></Match>
       <Match when={props.panel.kind === 'query'}><QueryPanel panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'scene'}><Suspense fallback={<div class="panel skeleton" />}><ScenePanel panel={props.panel} /></Suspense></Match>
       <Match when={props.panel.kind === 'map'}><Suspense fallback={<div class="panel skeleton" />}><MapPanel panel={props.panel} /></Suspense></Match>

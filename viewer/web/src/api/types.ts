@@ -118,21 +118,6 @@ export const memoryMap: d.Decoder<MemoryMap> = (value, path) => {
 export const found = d.object({ found: d.list(d.string), more: d.withDefault(d.bool, false) });
 export const step = d.object({ time: d.time });
 
-export const nights = d.object({
-  entities: d.list(d.object({
-    id: d.string,
-    raw_bytes: d.withDefault(d.number, 0),
-    stored_bytes: d.withDefault(d.number, 0),
-    latent_bytes: d.withDefault(d.number, 0),
-    model_bytes: d.withDefault(d.number, 0),
-    snapshots: d.withDefault(d.number, 0),
-    psnr_mean_over_images_db: d.optional(d.number),
-    psnr: d.optional(d.object({ mean: d.optional(d.number), bins: d.withDefault(d.list(d.number), []), counts: d.withDefault(d.list(d.number), []) })),
-  })),
-  reflections: d.withDefault(d.list(d.anything), []),
-});
-export type Nights = d.Of<typeof nights>;
-
 const plainQuality = d.object({
   low: d.number,
   step: d.number,

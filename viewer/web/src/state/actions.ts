@@ -71,7 +71,7 @@ export function selectFrom(edge: 'from' | 'to'): void {
 
 const quote = (text: string): string => `'${text.replace(/'/g, `'\\''`)}'`;
 /** As a shell takes it, without quotes where it needs none. */
-const word = (text: string): string => quote(text).replace(/^'([\w./:-]+)'$/, '$1');
+export const word = (text: string): string => quote(text).replace(/^'([\w./:-]+)'$/, '$1');
 
 /** The query of the chosen entity (or everything) in the selection. */
 export function selectionQuery(): string {

@@ -116,6 +116,9 @@ export function updatePanel(key: number, change: Partial<PanelState>): void {
 
 export const setOption = (panel: Panel, key: string, value: string): void => updatePanel(panel.key, { options: { ...panel.options, [key]: value } });
 
+/** Several options at once; those that are empty are taken out of the address. */
+export const setOptions = (panel: Panel, options: Readonly<Record<string, string>>): void => updatePanel(panel.key, { options: Object.fromEntries(Object.entries({ ...panel.options, ...options }).filter(([, value]) => value !== '')) });
+
 /** The inspector and similar moments stand beside the other panels. */
 export const isSide = (kind: PanelKind): boolean => kind === 'inspector' || kind === 'similar';
 

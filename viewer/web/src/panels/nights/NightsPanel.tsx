@@ -1,64 +1,31 @@
 // SPDX-License-Identifier: Apache-2.0
-import { createMemo, For, Show } from 'solid-js';
+import { For, Match, Switch } from 'solid-js';
 import { getJson } from '../../api/client';
-import { nights, type Nights } from '../../api/types';
+import { nights, type Nights } from '../../api/nightTypes';
 import { createRequest } from '../../state/request';
-import { info, selected, setSelected, type Panel } from '../../state/store';
-import { formatBytes, formatCount } from '../../time/format';
-import { Empty, PanelFrame } from '../../ui/PanelFrame';
-import { QualityPart } from './QualityPart';
+import { info, setOption, type Panel } from '../../state/store';
+import { PanelFrame } from '../../ui/PanelFrame';
+import { BytesPart } from './BytesPart';
+import { ForgettingPart } from './ForgettingPart';
+import { NightList } from './NightList';
+import { ReflectionPart } from './ReflectionPart';
 
-type Row = Nights['entities'][number];
+const kParts = [['bytes', 'Bytes'], ['nights', 'Nights'], ['reflection', 'Reflection'], ['forgetting', 'Forgetting']] as const;
 
-/** What the memory weighs: plain, recorded, as latents, and the models. */
-export function NightsPanel(props: { panel: Panel }) {
-  const asked = createRequest<Nights>(() => (info() ? { group: 'nights', run: (signal) => getJson('nights', {}, nights, signal) } : null));
-  const rows = createMemo(() => [...(asked.data()?.entities ?? [])].sort((a, b) => b.raw_bytes - a.raw_bytes));
-  const kept = (row: Row) => row.stored_bytes + row.latent_bytes + row.model_bytes;
-  const largest = createMemo(() => rows().reduce((size, row) => Math.max(size, kept(row)), 1));
-  // Only what is kept in both forms can be compared.
-  const compared = createMemo(() => { const row = rows().find((one) => one.id === selected()); return row && row.stored_bytes > 0 && row.latent_bytes > 0 ? row.id : ''; });
-  const sum = (of: (row: Row) => number) => rows().reduce((total, row) => total + of(row), 0);
-  const reflections = () => (asked.data()?.reflections ?? []).flatMap((one) => { const text = typeof one === 'string' ? one : (one as { text?: unknown } | null)?.text; return typeof text === 'string' ? [text] : []; });
+/** What the memory weighs, what nights did to it and found in it, and what forgetting would do. */
+export default function NightsPanel(props: { panel: Panel }) {
+  const part = () => kParts.find(([name]) => name === props.panel.options.part)?.[0] ?? 'bytes';
+  const isOfNights = () => part() === 'bytes' || part() === 'nights';
+  const asked = createRequest<Nights>(() => (info() && isOfNights() ? { group: 'nights', run: (signal) => getJson('nights', {}, nights, signal) } : null));
   return (
-    <PanelFrame panel={props.panel} icon="moon" title="Nights and bytes" isBusy={asked.isBusy()} error={asked.error()} onRetry={asked.retry}>
-      <Show when={asked.data()} fallback={<Show when={!asked.error()}><div class="skeleton tall" /></Show>}>
-        <Show when={rows().length > 0} fallback={<Empty title="Nothing is stored yet">Record something, and let engram consolidate work on it.</Empty>}>
-          <p class="sums"><b>{formatBytes(sum((row) => row.raw_bytes))}</b> plain, kept in <b>{formatBytes(sum(kept))}</b> <span class="muted">({Math.round(sum((row) => row.raw_bytes) / Math.max(1, sum(kept)))} to 1)</span></p>
-          <div class="nights-body">
-            <div class="series-table" tabindex="0" role="region" aria-label="Bytes of each entity">
-              <table class="bytes">
-                <thead><tr><th scope="col">entity</th><th scope="col">snapshots</th><th scope="col">plain</th><th scope="col">kept</th><th scope="col">recorded, latents, models</th><th scope="col">PSNR</th></tr></thead>
-                <tbody><For each={rows()}>{(row) => (
-                  <tr>
-                    <th scope="row"><button onClick={() => setSelected(row.id)} title={row.id}>{row.id}</button></th>
-                    <td>{formatCount(row.snapshots)}</td><td>{formatBytes(row.raw_bytes)}</td><td>{formatBytes(kept(row))}</td>
-                    <td class="bar-cell" title={`recorded ${formatBytes(row.stored_bytes)}, latents ${formatBytes(row.latent_bytes)}, models ${formatBytes(row.model_bytes)}`}>
-                      <span class="stack">
-                        <i class="recorded" style={{ width: `${(row.stored_bytes / largest()) * 100}%` }} /><i class="latent" style={{ width: `${(row.latent_bytes / largest()) * 100}%` }} /><i class="augmented" style={{ width: `${(row.model_bytes / largest()) * 100}%` }} />
-                      </span>
-                    </td>
-                    <td><Show when={row.psnr} fallback={row.psnr_mean_over_images_db === undefined ? '' : `${row.psnr_mean_over_images_db.toFixed(1)} dB`}><Histogram psnr={row.psnr!} /></Show></td>
-                  </tr>
-                )}</For></tbody>
-              </table>
-            </div>
-            <Show when={compared() !== ''}><QualityPart entity={compared()} /></Show>
-          </div>
-          <Show when={reflections().length > 0}><ul class="reflections"><For each={reflections()}>{(text) => <li>{text}</li>}</For></ul></Show>
-        </Show>
-      </Show>
+    <PanelFrame panel={props.panel} icon="moon" title="Nights and bytes" isBusy={asked.isBusy()} error={isOfNights() ? asked.error() : ''} onRetry={asked.retry}
+      actions={<span class="segments" role="group" aria-label="Parts of nights and bytes"><For each={kParts}>{([name, title]) => <button aria-pressed={part() === name} onClick={() => setOption(props.panel, 'part', name)}>{title}</button>}</For></span>}>
+      <Switch>
+        <Match when={part() === 'bytes'}><BytesPart asked={asked} /></Match>
+        <Match when={part() === 'nights'}><NightList asked={asked} /></Match>
+        <Match when={part() === 'reflection'}><ReflectionPart /></Match>
+        <Match when={part() === 'forgetting'}><ForgettingPart panel={props.panel} /></Match>
+      </Switch>
     </PanelFrame>
-  );
-}
-
-function Histogram(props: { psnr: NonNullable<Row['psnr']> }) {
-  const highest = () => Math.max(1, ...props.psnr.counts);
-  const text = () => `${props.psnr.mean?.toFixed(1) ?? '?'} dB on average`;
-  return (
-    <span class="histogram" role="img" aria-label={text()} title={text()}>
-      <For each={props.psnr.counts.slice(0, 24)}>{(count) => <i style={{ height: `${Math.max(1, (count / highest()) * 16)}px` }} />}</For>
-      <span>{props.psnr.mean?.toFixed(1)} dB</span>
-    </span>
   );
 }
