@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "datasets/kitchen/entities.h"
+#include "datasets/kitchen/robot_urdf.h"
 #include "ltm/typed/image.h"
 
 namespace engram::datasets::kitchen {
@@ -86,6 +87,7 @@ void Reporter::report_prior(const Layout& layout) {
   }
   robot.lower = idf::NdArray::take({kJoints}, std::move(lower));
   robot.upper = idf::NdArray::take({kJoints}, std::move(upper));
+  robot.urdf = robot_urdf(world_);
   add(entities::description(), 0, {robot.to_idf()}, "simulation");
 
   for (const Surface surface : {Surface::kCounter, Surface::kTable}) {
