@@ -153,6 +153,17 @@ Result<std::vector<int64_t>> RequestTarget::integers(std::string_view name, int6
   return numbers;
 }
 
+Result<double> RequestTarget::number(std::string_view name, double min, double max) const {
+  ENGRAM_ASSIGN_OR_RETURN(const std::string found, text(name));
+  double number = 0;
+  const char* const end = found.data() + found.size();
+  const auto [stop, error] = std::from_chars(found.data(), end, number);
+  // Written so that "nan" is refused, too.
+  if (error != std::errc() || stop != end || !(number >= min && number <= max))
+    return wrong(name, found, fmt::format("a number from {} to {}", min, max));
+  return number;
+}
+
 Result<Time> RequestTarget::time(std::string_view name) const {
   using Limits = std::numeric_limits<int64_t>;
   ENGRAM_ASSIGN_OR_RETURN(const int64_t ns, integer(name, Limits::min(), Limits::max()));

@@ -54,6 +54,9 @@ class RequestTarget {
   Result<std::vector<int64_t>> integers(std::string_view name, int64_t min, int64_t max,
                                         size_t max_count) const;
 
+  /// A decimal number within bounds, both included.
+  Result<double> number(std::string_view name, double min, double max) const;
+
   /// Decimal nanoseconds.
   Result<Time> time(std::string_view name) const;
 

@@ -18,7 +18,7 @@ struct Question {
   AnswerFunction answer;
 };
 
-constexpr std::array<Question, 17> kQuestions{{
+constexpr std::array<Question, 18> kQuestions{{
     {"/api/info", answer_info},
     {"/api/tree", answer_tree},
     {"/api/find", answer_find},
@@ -36,6 +36,7 @@ constexpr std::array<Question, 17> kQuestions{{
     {"/api/quality", answer_quality},
     {"/api/reflection", answer_reflection},
     {"/api/forgetting", answer_forgetting},
+    {"/api/cloud", answer_cloud},
 }};
 
 }  // namespace

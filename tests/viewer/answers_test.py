@@ -310,6 +310,29 @@ class AnswersTest(unittest.TestCase):
         self.assertLess(float(headers["x-engram-min"]), float(headers["x-engram-max"]))
         self.assertEqual(pixels_of(body).max(), 255)
 
+    def test_depth_becomes_points(self) -> None:
+        depth = next(one for one in self.entities if "depth" in one.lower())
+        moment = self.viewed.json("/api/moment", entity=depth, at=self.entities[depth]["last_ns"])
+        camera = {"fx": 100, "fy": 100, "cx": 63.5, "cy": 63.5, "unit": 0.001}
+        status, headers, body = self.viewed.get("/api/cloud", id=moment["id"], path="depth", **camera)
+        self.assertEqual(status, 200)
+        points = np.frombuffer(body, "<f4").reshape(-1, 3)
+        self.assertEqual(len(points), int(headers["x-engram-points"]))
+        self.assertEqual(len(points), int(headers["x-engram-total"]))
+        self.assertGreater(len(points), 10000)
+        # The walls of the kitchen are a few metres away, and each point lies in its pixel's direction.
+        self.assertTrue(((points[:, 2] > 0.1) & (points[:, 2] < 12)).all())
+        columns = points[:, 0] / points[:, 2] * 100 + 63.5
+        self.assertLess(np.abs(columns - np.round(columns)).max(), 0.01)
+        status, headers, body = self.viewed.get("/api/cloud", id=moment["id"], path="depth", max=100, **camera)
+        self.assertEqual((len(body), headers["x-engram-points"]), (1200, "100"))
+        self.assertEqual(int(headers["x-engram-total"]), len(points))
+        for wrong in ({"fx": 0}, {"fy": "nan"}, {"unit": -1}, {"max": 500_001}, {"max": 0}):
+            self.assertEqual(self.viewed.error("/api/cloud", id=moment["id"], path="depth", **{**camera, **wrong}),
+                             (400, "invalid argument"), wrong)
+        self.assertEqual(self.viewed.error("/api/cloud", id=moment["id"], path="depth"), (400, "invalid argument"))
+        self.assertEqual(self.viewed.error("/api/cloud", id=moment["id"], path="view"), (404, "not found"))
+
     def test_similar_moments_are_those_of_the_command(self) -> None:
         moment = self.viewed.json("/api/moment", entity=STEREO, at=self.entities[STEREO]["last_ns"])
         told = self.viewed.json("/api/similar", id=moment["id"], k=3)

@@ -58,6 +58,17 @@ TEST(RequestTarget, TakesNoNumberThatIsNone) {
                "parameter 'pixels' is missing");
 }
 
+TEST(RequestTarget, ReadsNumbersWithinBounds) {
+  const auto number = [](const std::string& text) {
+    return RequestTarget::parse("/?fx=" + text)->number("fx", 0.5, 100);
+  };
+  EXPECT_EQ(*number("96.5"), 96.5);
+  EXPECT_EQ(*number("1e2"), 100);
+  for (const char* bad : {"0", "101", "nan", "inf", "1x", "x", "0x10", "1,5", "1e999", "-1"})
+    EXPECT_FAILS(number(bad), StatusCode::kInvalidArgument, "needs a number from 0.5 to 100");
+  EXPECT_FAILS(number(""), StatusCode::kInvalidArgument, "fx");
+}
+
 TEST(RequestTarget, ReadsIds) {
   const auto target = RequestTarget::parse(
       "/?entity=A%2FB%2FC%2Fa%5C%2Fb&id=A%2FB%2FC%2FD%2F1970-01-01+00%3A00%3A01%2F2&entity=A");
