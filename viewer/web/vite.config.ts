@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+import { fileURLToPath } from 'node:url';
 import type { IncomingMessage, ServerResponse } from 'node:http';
 import { defineConfig, type Plugin } from 'vite';
 import solid from 'vite-plugin-solid';
@@ -22,7 +23,11 @@ function mockGateway(): Plugin {
   };
 }
 
+// urdf-loader can load meshes from anywhere. The page shall not, and is smaller without.
+const noMeshes = fileURLToPath(new URL('src/panels/scene/noMeshes.ts', import.meta.url));
+
 export default defineConfig({
+  resolve: { alias: { 'three/examples/jsm/loaders/STLLoader.js': noMeshes, 'three/examples/jsm/loaders/ColladaLoader.js': noMeshes } },
   plugins: [solid(), mockGateway()],
   build: {
     target: 'es2022',

@@ -80,6 +80,42 @@ describe.skipIf(!url)('a kitchen behind its gateway', () => {
     await panel.getByRole('alert').getByText("“Store at most”: found 'little', needs a size such as 500MB or 20GiB").waitFor(kFirst);
   });
 
+  it('has its robot in the scene, with its eyes where the images were seen from', async () => {
+    const { page } = await visit(options);
+    await choose(page, 'stereo');
+    await page.keyboard.press('Home');
+    // Two seconds later it drives and looks around.
+    for (let i = 0; i < 40; ++i) await page.keyboard.press('ArrowRight');
+    await page.keyboard.press('3');
+    const panel = page.locator('[data-panel=scene]');
+    await expect.poll(() => panel.locator('.scene').getAttribute('aria-label'), kFirst).toContain('and a robot');
+    await panel.getByText(/^left: \d[\d\s]* points\.$/).waitFor(kFirst);
+    await panel.getByRole('button', { name: 'Show places as a table' }).click();
+    const places = async (row: string) => (await panel.locator('tbody tr').filter({ has: page.getByText(row, { exact: true }) }).locator('td').allTextContents()).slice(0, 3).map((text) => Number(text.replace('−', '-')));
+    await expect.poll(async () => {
+      const [link, seen] = [await places('left_camera'), await places('Vision/RGB/head/stereo')];
+      return link.length === 3 && seen.length === 3 ? Math.hypot(...link.map((x, i) => x - seen[i]!)) : Infinity;
+    }, kFirst).toBeLessThan(0.001);
+    const [platform, torso, hand] = [await places('platform'), await places('torso'), await places('left_hand')];
+    expect(Math.hypot(torso[0]! - platform[0]!, torso[1]! - platform[1]!)).toBeCloseTo(0.04, 3);
+    // A hand is at most an arm's length from its shoulder, and above the floor.
+    expect(Math.hypot(hand[0]! - torso[0]!, hand[1]! - torso[1]!, hand[2]! - torso[2]! - 0.42)).toBeLessThan(0.9);
+    expect(hand[2]).toBeGreaterThan(0.3);
+    expect(await panel.getByText(/not told|not drawn|origin/).count()).toBe(0);
+  });
+
+  it('has the ghost of its robot in the future', async () => {
+    const { page } = await visit(options);
+    await page.keyboard.press('3');
+    const panel = page.locator('[data-panel=scene]');
+    await panel.getByRole('button', { name: 'Show places as a table' }).click();
+    await panel.getByText('left_hand', { exact: true }).waitFor(kFirst);
+    await page.locator('h1').click();
+    await page.keyboard.press('f');
+    await panel.getByText('left_hand, predicted', { exact: true }).waitFor(kFirst);
+    await panel.getByText('left_hand', { exact: true }).waitFor();
+  });
+
   it('tells what is not there, and goes on', async () => {
     const { page } = await visit(options);
     await page.keyboard.press('q');

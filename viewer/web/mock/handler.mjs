@@ -91,6 +91,23 @@ function image(query) {
   return { type: 'image/png', body: png(128, 128, pixels), headers };
 }
 
+/** Points of a wavy wall 1.5 m ahead, one per pixel of the depth image, or every n-th. */
+function cloud(query) {
+  const { entity } = splitId(need(query, 'id'));
+  if (entity.kind !== 'depth') throw new Refusal(404, 'not found', `entity '${entity.id}' has no depth image and no rows of points`);
+  const [fx, fy, cx, cy] = ['fx', 'fy', 'cx', 'cy'].map((name) => Number(need(query, name)));
+  const total = 128 * 128;
+  const count = Math.min(total, Number(query.get('max') ?? 500_000));
+  const points = new Float32Array(3 * count);
+  for (let i = 0; i < count; ++i) {
+    const pixel = Math.floor((i * total) / count);
+    const [u, v] = [pixel % 128, Math.floor(pixel / 128)];
+    const z = 1.5 + 0.2 * Math.sin(u / 9) * Math.cos(v / 11);
+    points.set([((u - cx) / fx) * z, ((v - cy) / fy) * z, z], 3 * i);
+  }
+  return binary(points, { 'X-Engram-Source': 'recorded', 'X-Engram-Points': `${count}`, 'X-Engram-Total': `${total}` });
+}
+
 /** An entity with what was committed since the memory was opened. */
 function grown(entity, committed) {
   if (entity.id !== kRecording || committed.length === 0) return entity;
@@ -169,7 +186,7 @@ const info = () => json({
 
 const routes = {
   memories: () => json({ memories: [{ name: 'kitchen.engram', path: '/data/kitchen.engram', is_live: false }] }),
-  info, density, series, image, predict, step, nights, find, similar, links, map, quality, reflection, forgetting,
+  info, density, series, image, cloud, predict, step, nights, find, similar, links, map, quality, reflection, forgetting,
   query: textQuery,
   tree: (query) => json(tree(query.get('under') ?? '', Number(query.get('depth') ?? 1))),
   members: (query) => json({ members: membersOf(entityOf(need(query, 'entity'))) }),

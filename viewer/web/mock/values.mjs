@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The IDF values of the imagined memory, in the JSON form of the contract, and their members.
+import { urdfWith } from './robot.mjs';
 import { battery, carried, joint, kJoints, kThings, platform, reach, task, thing } from './motion.mjs';
 
 const array = (type, data) => ({ $ndarray: { type, shape: [data.length], data } });
@@ -7,6 +8,12 @@ const image = (path, channels = 3) => ({ $image: { path, width: 128, height: 128
 const link = (id) => ({ $link: id });
 const turn = (yaw) => array('float32', [Math.cos(yaw / 2), 0, 0, Math.sin(yaw / 2)]);
 const pose = (x, y, z, yaw) => ({ position: array('float32', [x, y, z]), orientation: turn(yaw) });
+
+/** A camera that looks ahead: x right, y down, z forward. */
+const looking = (x, y, z, yaw) => {
+  const [c, s] = [Math.cos(yaw / 2) / 2, Math.sin(yaw / 2) / 2];
+  return { position: array('float32', [x, y, z]), orientation: array('float32', [c + s, -c - s, c - s, s - c]) };
+};
 
 const nearestAction = (t) => {
   const { phase } = task(t);
@@ -23,7 +30,7 @@ export function valueOf(entity, t, idAt) {
     case 'hand_camera':
       return {
         image: image('image'),
-        pose_world_camera: pose(base.x, base.y + 0.1, entity.kind === 'camera' ? 1.46 : 1.05, base.heading),
+        pose_world_camera: looking(base.x, base.y + 0.1, entity.kind === 'camera' ? 1.46 : 1.05, base.heading),
         calibration: link(idAt('Vision/Calibration/head/left', t)),
         joints: link(idAt('RobotState/Proprioception/robot/joints', t)),
         platform: link(idAt('RobotState/Localization/robot/platform', t)),
@@ -44,7 +51,7 @@ export function valueOf(entity, t, idAt) {
     case 'platform':
       return { x: base.x, y: base.y, heading: base.heading, frame_id: 'world' };
     case 'description':
-      return { name: 'robot', joints: kJoints, mass: 86.5, cloud: { $array: { dtype: 'float32', shape: [6072, 3], summary: { min: -0.41, max: 1.72, mean: 0.58 } } } };
+      return { name: 'robot', joints: kJoints, mass: 86.5, urdf: urdfWith(), cloud: { $array: { dtype: 'float32', shape: [6072, 3], summary: { min: -0.41, max: 1.72, mean: 0.58 } } } };
     case 'thing': {
       const index = kThings.indexOf(entity.id.split('/')[3]);
       const at = thing(index, t);
@@ -111,7 +118,7 @@ export function membersOf(entity) {
     case 'calibration': return ['fx', 'fy', 'cx', 'cy', 'width', 'height'].map((path) => number(path, 'px'));
     case 'surface': return [...poseMembers('pose_world_surface'), ...[0, 1, 2].map((i) => number(`size[${i}]`, 'm'))];
     case 'class': return [other('name', 'text'), number('mass', 'kg')];
-    case 'description': return [other('name', 'text'), number('mass', 'kg')];
+    case 'description': return [other('name', 'text'), number('mass', 'kg'), other('urdf', 'text')];
     default: return [number('daylight', '')];
   }
 }

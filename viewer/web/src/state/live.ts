@@ -5,7 +5,7 @@ import { batch, createEffect, createSignal, on, onCleanup, untrack } from 'solid
 import { askedMemory } from '../api/client';
 import { liveFrame } from '../api/types';
 import { parseId } from './ids';
-import { cursor, info, last, say, setCursor, setLiveLast, setLiveLasts } from './store';
+import { cursor, info, last, noteGap, say, setCursor, setLiveLast, setLiveLasts } from './store';
 
 export const [isFollowing, setFollowing] = createSignal(false);
 export const [isConnected, setConnected] = createSignal(false);
@@ -65,9 +65,10 @@ export function watchLive(): void {
     const connect = (): void => {
       socket = new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/api/live`);
       socket.onopen = () => setConnected(true);
-      socket.onclose = () => { setConnected(false); timer = setTimeout(connect, 2000); };
+      socket.onclose = () => { setConnected(false); noteGap(); timer = setTimeout(connect, 2000); };
       socket.onmessage = (event) => {
         const { newest, ofEach, dropped, message } = newestOf(String(event.data));
+        if (message || dropped > 0) noteGap();
         if (message) say(message);
         if (dropped > 0) say(`The gateway was too busy to tell of ${dropped} commits; the timeline shows them when it asks next.`);
         if (newest !== undefined && (pending === undefined || newest > pending)) pending = newest;

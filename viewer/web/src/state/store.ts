@@ -81,6 +81,13 @@ export const nodeOf = (id: string): TreeNode | undefined => index().get(id);
 const [told, setTold] = createSignal<ReadonlyMap<string, bigint>>(new Map());
 export const setLiveLasts = (newest: ReadonlyMap<string, bigint>): void => { setTold(new Map([...told(), ...newest])); };
 
+/** How often commits were not told: too many came at once, or the server was lost for a while. */
+const [gaps, setGaps] = createSignal(0);
+export const noteGap = (): void => { setGaps(gaps() + 1); };
+
+/** Changes when an entity may have snapshots that were not there before. */
+export const newsOf = (entity: string): string => `${gaps()} ${told().get(entity) ?? ''}`;
+
 /** The time of the last snapshot of an entity; that of the memory where nobody told it. */
 export function ownLast(entity: string): bigint {
   const [live, known] = [told().get(entity), nodeOf(entity)?.last];

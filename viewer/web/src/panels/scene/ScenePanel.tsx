@@ -1,87 +1,126 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createEffect, createMemo, createSignal, For, onCleanup, onMount, Show } from 'solid-js';
-import { getJson } from '../../api/client';
-import { Turns } from '../../api/turns';
-import { moment as momentDecoder } from '../../api/types';
 import { shortName } from '../../state/ids';
 import { isPredicted } from '../../state/moment';
 import { createRequest } from '../../state/request';
-import { cursor, entities, selected, setSelected, type Panel } from '../../state/store';
+import { cursor, selected, setOption, setSelected, type Panel } from '../../state/store';
 import { formatNumber } from '../../time/format';
 import { download } from '../../ui/download';
 import { IconButton } from '../../ui/Icon';
 import { Empty, PanelFrame } from '../../ui/PanelFrame';
 import { createSize } from '../../ui/size';
 import { theme } from '../../ui/theme';
-import { posesIn, type Placed } from './poses';
+import { createClouds, type Cloud } from './clouds';
+import { cloudObject } from './pointCloud';
+import { frameOfPath, isInWorld, type Placed } from './poses';
+import { createSources, type Found } from './sources';
+import { createStanding } from './stand';
 import { createWorld, type Anchor, type Thing, type World } from './world';
 
-const kMaxEntities = 64;
-const turns = new Turns(4);
-
-interface Found {
-  readonly id: string;
-  readonly source: string;
+const kHorizons = [['0', 'off'], ['200000000', '+200 ms'], ['400000000', '+400 ms'], ['1000000000', '+1 s']] as const;
+interface Seen extends Found {
   readonly places: readonly Placed[];
 }
+const metres = (value: number): string => formatNumber(Math.round(value * 1e4) / 1e4);
 
 /** Everything that has a place at the cursor; what is predicted is drawn as a ghost. */
 export default function ScenePanel(props: { panel: Panel }) {
   const [size, sizeRef] = createSize();
   const [anchors, setAnchors] = createSignal<readonly Anchor[]>([]);
   const [problem, setProblem] = createSignal('');
-  const placeable = createMemo(() => entities().filter((node) => !node.kinds || node.kinds.includes('pose') || (node.kinds.includes('number') && /platform|localization|base/i.test(node.id))).map((node) => node.id).slice(0, kMaxEntities));
-  const found = createRequest<Found[]>(() => {
-    const at = cursor();
-    const ids = placeable();
-    if (ids.length === 0) return null;
-    return {
-      group: 'scene',
-      run: async (signal) => {
-        const ask = (id: string) => turns.run(async () => {
-          const here = await getJson('moment', { entity: id, at, which: isPredicted(id, at) ? 'predict' : 'at-or-before' }, momentDecoder, signal);
-          return { id, source: here.source, places: posesIn(here.instances[0]?.data) };
-        }, signal);
-        // An entity that was not there yet is no error of the scene.
-        const all = await Promise.all(ids.map((id) => ask(id).catch((error: unknown) => { if (signal.aborted) throw error; return null; })));
-        return all.filter((one) => one !== null);
-      },
-    };
+  const [world, setWorld] = createSignal<World>();
+  const option = (key: string, otherwise: string) => props.panel.options[key] ?? otherwise;
+  const ahead = () => BigInt(kHorizons.some(([value]) => value === option('h', '0')) ? option('h', '0') : '0');
+  const sources = createSources();
+  const withPlaces = (all: readonly Found[], signal: AbortSignal): Promise<Seen[]> => Promise.all(all.map(async (one) => ({ ...one, places: await sources.placesOf(one, signal) })));
+  const placeable = createMemo(() => sources.idsOf('place'));
+  const standing = createStanding(sources, ahead, (robot, ghost) => {
+    world()?.setPart('robot', robot?.object ?? null, true);
+    world()?.setPart('ghost', ghost?.object ?? null, true);
   });
-  const things = createMemo<Thing[]>(() => (found.data() ?? []).flatMap((one) => one.places.map((placed) => ({ id: one.id, label: shortName(one.id), placed, isPredicted: one.source === 'predicted', isChosen: one.id === selected() }))));
+  // Behind the robot, whose predictions come first then.
+  const found = createRequest<Seen[]>(() => {
+    if (placeable().length === 0) return null;
+    const ask = sources.ask(placeable(), cursor(), () => 'at-or-before');
+    return { group: 'scene', run: async (signal) => withPlaces(await ask(signal), signal) };
+  });
+  // What was recorded last stands there until a prediction comes, which may have to learn first.
+  const foreseen = createRequest<Seen[]>(() => {
+    const at = cursor();
+    const ids = placeable().filter((id) => isPredicted(id, at) && sources.isQuickToPredict(id));
+    if (ids.length === 0) return null;
+    const ask = sources.ask(ids, at, () => 'predict');
+    return { group: 'foreseen', run: async (signal) => withPlaces(await ask(signal), signal) };
+  });
+  const clouds = createClouds(sources, () => option('p', '1') === '1', (() => {
+    let shown: readonly string[] = [];
+    return (all: readonly Cloud[]) => {
+      for (const name of shown) world()?.setPart(name, null);
+      const { accent, faint } = theme();
+      all.forEach((cloud, i) => world()?.setPart(`cloud ${i}`, cloudObject(cloud, accent, faint)));
+      shown = all.map((_, i) => `cloud ${i}`);
+    };
+  })());
+  const newest = createMemo<Seen[]>(() => {
+    const next = new Map((foreseen.data() ?? []).map((one) => [one.id, one]));
+    return (found.data() ?? []).map((one) => next.get(one.id) ?? one);
+  });
+  const things = createMemo<Thing[]>(() => newest().flatMap((one) => one.places.map((placed) => ({ id: one.id, label: shortName(one.id), placed, isPredicted: one.moment.source === 'predicted', isChosen: one.id === selected() }))));
+  const isEmpty = () => placeable().length === 0 && !standing.isThere() && !clouds.isPossible();
   let host!: HTMLDivElement;
-  let world: World | undefined;
   onMount(() => {
     try {
-      world = createWorld(setAnchors);
-      host.prepend(world.canvas);
-      world.canvas.setAttribute('aria-hidden', 'true');
+      const made = createWorld(setAnchors);
+      host.prepend(made.canvas);
+      made.canvas.setAttribute('aria-hidden', 'true');
+      setWorld(made);
+      onCleanup(() => { setWorld(undefined); made.dispose(); });
     } catch {
       setProblem('This browser gives no WebGL, so the scene is shown as a table.');
     }
-    onCleanup(() => world?.dispose());
-    createEffect(() => { const { width, height } = size(); if (width > 0) world?.resize(width, height); });
-    createEffect(() => world?.show(things(), theme()));
+    createEffect(() => { const { width, height } = size(); if (width > 0) world()?.resize(width, height); });
+    createEffect(() => world()?.show(things().filter((thing) => isInWorld(thing.placed)), theme()));
   });
   const [isTable, setTable] = createSignal(false);
+  const isShownAsTable = () => isTable() || problem() !== '';
+  const notes = () => [...standing.notes(), ...clouds.notes()];
   return (
-    <PanelFrame panel={props.panel} icon="box" title="3-D scene" isBusy={found.isBusy()} error={problem() || found.error()}
+    <PanelFrame panel={props.panel} icon="box" title="3-D scene" isBusy={found.isBusy() || foreseen.isBusy() || standing.isBusy() || clouds.isBusy()} error={problem() || found.error()}
       actions={<>
         <IconButton icon="table" label="Show places as a table" isPressed={isTable()} onClick={() => setTable(!isTable())} />
-        <IconButton icon="download" label="Save the scene as PNG" onClick={() => { if (world) void download(world.canvas, 'scene.png'); }} />
+        <IconButton icon="download" label="Save the scene as PNG" onClick={() => { const made = world(); if (made) void download(made.canvas, 'scene.png'); }} />
       </>}>
-      <Show when={placeable().length === 0}><Empty title="Nothing has a place">Poses are dicts of a position and an orientation; no entity here has one.</Empty></Show>
-      {/* Always there, because three.js draws into it; entities may come later. */}
-      <div class="scene" hidden={isTable() || problem() !== '' || placeable().length === 0} ref={(element) => { host = element; sizeRef(element); }} role="img" aria-label={`Scene with ${things().length} things; shown as a table on request`}>
-        <For each={anchors()}>{(anchor) => <span class="scene-label" style={{ transform: `translate(${Math.round(anchor.x)}px, ${Math.round(anchor.y)}px) translate(-50%, -100%)` }}>{anchor.label}</span>}</For>
-      </div>
-      <Show when={placeable().length > 0 && (isTable() || problem() !== '')}>
-        <div class="series-table" tabindex="0" role="region" aria-label="Places">
-          <table><thead><tr><th scope="col">entity</th><th scope="col">x m</th><th scope="col">y m</th><th scope="col">z m</th><th scope="col">frame</th></tr></thead>
-            <tbody><For each={things()}>{(thing) => <tr><th scope="row"><button onClick={() => setSelected(thing.id)}>{thing.id}</button></th>
-              <For each={thing.placed.position}>{(value) => <td>{formatNumber(Math.round(value * 1e4) / 1e4)}</td>}</For><td>{/(?:^|\/)pose_([^_/]+)_/.exec(thing.placed.path)?.[1] ?? ''}</td></tr>}</For></tbody></table>
+      <Show when={isEmpty()}><Empty title="Nothing has a place">Poses are dicts of a position and an orientation; no entity here has one.</Empty></Show>
+      <Show when={standing.isThere() || clouds.isPossible()}>
+        <div class="bar">
+          <Show when={standing.isThere()}>
+            <label class="field">predict ahead
+              <select onChange={(event) => setOption(props.panel, 'h', event.currentTarget.value)}>
+                <For each={kHorizons}>{([value, label]) => <option value={value} selected={option('h', '0') === value}>{label}</option>}</For>
+              </select>
+            </label>
+          </Show>
+          <Show when={clouds.isPossible()}>
+            <label class="field"><input type="checkbox" checked={option('p', '1') === '1'} onChange={(event) => setOption(props.panel, 'p', event.currentTarget.checked ? '1' : '0')} />points</label>
+          </Show>
         </div>
       </Show>
+      {/* Always there, because three.js draws into it; entities may come later. */}
+      <div class="scene" hidden={isShownAsTable() || isEmpty()} ref={(element) => { host = element; sizeRef(element); }} role="img" aria-label={`Scene with ${things().length} things${standing.links().length > 0 ? ' and a robot' : ''}; shown as a table on request`}>
+        <For each={anchors()}>{(anchor) => <span class="scene-label" style={{ transform: `translate(${Math.round(anchor.x)}px, ${Math.round(anchor.y)}px) translate(-50%, -100%)` }}>{anchor.label}</span>}</For>
+      </div>
+      <Show when={!isEmpty() && isShownAsTable()}>
+        <div class="series-table" tabindex="0" role="region" aria-label="Places">
+          <table><thead><tr><th scope="col">entity</th><th scope="col">x m</th><th scope="col">y m</th><th scope="col">z m</th><th scope="col">frame</th></tr></thead>
+            <tbody>
+              <For each={things()}>{(thing) => <tr><th scope="row"><button onClick={() => setSelected(thing.id)}>{thing.id}</button></th>
+                <For each={thing.placed.position}>{(value) => <td>{metres(value)}</td>}</For><td>{frameOfPath(thing.placed.path)}</td></tr>}</For>
+              <For each={standing.links()}>{(link) => <tr><th scope="row">{link.name}{link.isPredicted ? ', predicted' : ''}</th>
+                <For each={link.position}>{(value) => <td>{metres(value)}</td>}</For><td>world</td></tr>}</For>
+            </tbody></table>
+        </div>
+      </Show>
+      <Show when={notes().length > 0}><ul class="scene-notes" aria-label="Notes on the scene"><For each={notes()}>{(note) => <li>{note}</li>}</For></ul></Show>
     </PanelFrame>
   );
 }

@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Theme } from '../../ui/theme';
+import { kHalfView } from './frame';
 import type { Placed } from './poses';
 
 export interface Thing {
@@ -23,16 +24,21 @@ export interface Anchor {
 
 export interface World {
   readonly show: (things: readonly Thing[], theme: Theme) => void;
+  /** Puts an object into the scene, in the place of the one that had this name; null takes it away. What is replaced is freed, unless it is kept by who made it. */
+  readonly setPart: (name: string, object: THREE.Object3D | null, isKept?: boolean) => void;
   readonly resize: (width: number, height: number) => void;
   readonly dispose: () => void;
   readonly canvas: HTMLCanvasElement;
 }
 
-/** Four edges and the far rectangle of what a camera sees, half a metre deep. */
-function frustum(colour: THREE.Color): THREE.LineSegments {
-  const depth = 0.5;
-  const half = 0.33;
-  const corners = [[-half, -half, depth], [half, -half, depth], [half, half, depth], [-half, half, depth]] as const;
+/** How far a frustum is drawn. */
+export const kViewDepth_m = 0.5;
+
+/** Four edges and the far rectangle of what a camera sees. */
+function frustum(colour: THREE.Color, half: readonly [number, number]): THREE.LineSegments {
+  const depth = kViewDepth_m;
+  const [x, y] = [half[0] * depth, half[1] * depth];
+  const corners = [[-x, -y, depth], [x, -y, depth], [x, y, depth], [-x, y, depth]] as const;
   const points: number[] = [];
   corners.forEach((corner, i) => points.push(0, 0, 0, ...corner, ...corner, ...corners[(i + 1) % 4]!));
   const geometry = new THREE.BufferGeometry();
@@ -85,6 +91,7 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
   light.position.set(-2, -4, 6);
   scene.add(light, new THREE.AmbientLight('#ffffff', 1.3));
   const content = new THREE.Group();
+  const parts = new Map<string, { object: THREE.Object3D; isKept: boolean }>();
   let grid: THREE.GridHelper | null = null;
   let shown: readonly Thing[] = [];
   let size = { width: 1, height: 1 };
@@ -108,7 +115,7 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
     isFitted = true;
     const sphere = new THREE.Box3().setFromPoints(things.map((thing) => new THREE.Vector3(...thing.placed.position))).getBoundingSphere(new THREE.Sphere());
     controls.target.copy(sphere.center);
-    camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(-0.42, -1, 0.72).normalize(), Math.max(0.6, sphere.radius) * 2.3);
+    camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(-0.42, -1, 0.72).normalize(), Math.max(0.6, sphere.radius) * 2.1);
     controls.update();
   };
   // Drawn when something changed, not sixty times a second.
@@ -118,7 +125,7 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
   const objectOf = (thing: Thing, theme: Theme): THREE.Object3D => {
     const colour = new THREE.Color(thing.isPredicted ? theme.predicted : thing.isChosen ? theme.accent : ownColour(thing, theme));
     const { placed } = thing;
-    const object = placed.isCamera ? frustum(colour) : placed.size ? boxOf(placed.size, colour, thing.isPredicted) : new THREE.Group();
+    const object = placed.isCamera ? frustum(colour, placed.half ?? [kHalfView, kHalfView]) : placed.size ? boxOf(placed.size, colour, thing.isPredicted) : new THREE.Group();
     if (!placed.isCamera) object.add(new THREE.AxesHelper(placed.size ? 0.12 : 0.3));
     object.position.set(...placed.position);
     const [w, x, y, z] = placed.orientation;
@@ -138,6 +145,19 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
       shown = things;
       for (const thing of things) content.add(objectOf(thing, theme));
       fit(things);
+      ask();
+    },
+    setPart(name, object, isKept = false) {
+      const before = parts.get(name);
+      if (before && before.object !== object) {
+        scene.remove(before.object);
+        if (!before.isKept) free(before.object);
+        parts.delete(name);
+      }
+      if (object) {
+        parts.set(name, { object, isKept });
+        scene.add(object);
+      }
       ask();
     },
     resize(width, height) {
