@@ -2,7 +2,7 @@
 // What a person sees in the scene: the robot, its ghost, and points.
 import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { json, kStart, useBrowser, visit, type Answer, type VisitOptions } from './browser';
+import { goTo, json, kStart, useBrowser, visit, type Answer, type VisitOptions } from './browser';
 // @ts-expect-error The mock is plain JavaScript.
 import { urdfWith } from '@mock/robot.mjs';
 // @ts-expect-error The mock is plain JavaScript.
@@ -135,6 +135,23 @@ describe('a URDF', () => {
     const lone = '<joint name="antenna" type="revolute"><parent link="head"/><child link="tip"/><axis xyz="0 0 1"/></joint><link name="tip"/>';
     const { notes } = await openScene({ intercept: withUrdf(urdfWith(lone)) });
     await notes.getByText('1 of 44 joints are not told, and stay at zero.').waitFor();
+  });
+});
+
+describe('cameras', () => {
+  it('show what they see, once the cursor rests', async () => {
+    const { page, mock, panel } = await openScene({ hash: `${hashAt(kAt)}&h=140` });
+    const seen = () => mock.state.requests.filter((request) => request.startsWith('/api/image') && request.includes('stereo') && request.includes('as=jpeg'));
+    // Its frustum, and the colours of the points that the same camera measured.
+    await expect.poll(() => seen().length, { timeout: 10_000 }).toBeGreaterThanOrEqual(2);
+    await page.waitForTimeout(1000);
+    const before = seen().length;
+    await panel.getByRole('button', { name: 'Show places as a table' }).click();
+    await page.waitForTimeout(1000);
+    expect(seen().length).toBe(before);
+    await page.locator('h1').click();
+    await goTo(page, '07:05:00');
+    await expect.poll(() => seen().length, { timeout: 10_000 }).toBeGreaterThan(before);
   });
 });
 

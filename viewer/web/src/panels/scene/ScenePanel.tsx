@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { createEffect, createMemo, createSignal, For, onCleanup, onMount, Show } from 'solid-js';
+import type { Object3D } from 'three';
 import { shortName } from '../../state/ids';
 import { isPredicted } from '../../state/moment';
 import { createRequest } from '../../state/request';
@@ -10,11 +11,12 @@ import { IconButton } from '../../ui/Icon';
 import { Empty, PanelFrame } from '../../ui/PanelFrame';
 import { createSize } from '../../ui/size';
 import { theme } from '../../ui/theme';
-import { createClouds, type Cloud } from './clouds';
+import { createClouds } from './clouds';
 import { cloudObject } from './pointCloud';
 import { frameOfPath, isInWorld, type Placed } from './poses';
 import { createSources, type Found } from './sources';
 import { createStanding } from './stand';
+import { createViews } from './views';
 import { createWorld, type Anchor, type Thing, type World } from './world';
 
 const kHorizons = [['0', 'off'], ['200000000', '+200 ms'], ['400000000', '+400 ms'], ['1000000000', '+1 s']] as const;
@@ -52,19 +54,23 @@ export default function ScenePanel(props: { panel: Panel }) {
     const ask = sources.ask(ids, at, () => 'predict');
     return { group: 'foreseen', run: async (signal) => withPlaces(await ask(signal), signal) };
   });
-  const clouds = createClouds(sources, () => option('p', '1') === '1', (() => {
-    let shown: readonly string[] = [];
-    return (all: readonly Cloud[]) => {
-      for (const name of shown) world()?.setPart(name, null);
-      const { accent, faint } = theme();
-      all.forEach((cloud, i) => world()?.setPart(`cloud ${i}`, cloudObject(cloud, accent, faint)));
-      shown = all.map((_, i) => `cloud ${i}`);
+  /** Puts objects into the scene, in the place of those before. */
+  const shower = (kind: string) => {
+    let count = 0;
+    return (objects: readonly Object3D[]) => {
+      const made = world();
+      for (let i = objects.length; i < count; ++i) made?.setPart(`${kind} ${i}`, null);
+      objects.forEach((object, i) => made?.setPart(`${kind} ${i}`, object));
+      count = objects.length;
     };
-  })());
+  };
+  const showClouds = shower('cloud');
+  const clouds = createClouds(sources, () => option('p', '1') === '1', (all) => { const { accent, faint } = theme(); showClouds(all.map((cloud) => cloudObject(cloud, accent, faint))); });
   const newest = createMemo<Seen[]>(() => {
     const next = new Map((foreseen.data() ?? []).map((one) => [one.id, one]));
     return (found.data() ?? []).map((one) => next.get(one.id) ?? one);
   });
+  createViews(newest, shower('view'));
   const things = createMemo<Thing[]>(() => newest().flatMap((one) => one.places.map((placed) => ({ id: one.id, label: shortName(one.id), placed, isPredicted: one.moment.source === 'predicted', isChosen: one.id === selected() }))));
   const isEmpty = () => placeable().length === 0 && !standing.isThere() && !clouds.isPossible();
   let host!: HTMLDivElement;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { describe, expect, it } from 'vitest';
-import { coloursOf, depthQuery } from './clouds';
+import { coloursOf, depthQuery, mayHavePoints } from './clouds';
 import { reachOf } from './pointCloud';
 
 const lens = { fx: 2, fy: 2, cx: 0.5, cy: 0.5 };
@@ -13,6 +13,11 @@ describe('points of a depth image', () => {
     expect(guessed).toEqual({ fx: 100, fy: 100, cx: 65.5, cy: 24.5, unit: 1 });
     expect(depthQuery(value, 'other', lens)).toBeUndefined();
     expect(depthQuery(value, 'none/at/all', lens)).toBeUndefined();
+  });
+  it('are looked for where a value may have some', () => {
+    expect(mayHavePoints({ depth: { $image: { channels: 1, dtype: 'uint16' } } })).toBe(true);
+    expect(mayHavePoints({ parts: [{ cloud: { $array: { shape: [6072, 3] } } }] })).toBe(true);
+    for (const value of [null, 'text', { image: { $image: { channels: 3, dtype: 'uint8' } } }, { mask: { $image: { channels: 1, dtype: 'uint8' } } }, { q: { $ndarray: { shape: [43] } } }]) expect(mayHavePoints(value)).toBe(false);
   });
   it('have the colour of the pixel that they are seen at', () => {
     // Two by two pixels: black, white, red, blue; and the same twice as large.

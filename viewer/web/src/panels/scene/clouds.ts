@@ -94,6 +94,15 @@ async function cloudOf(found: Found, member: Member, frame: Frame, max: number, 
   return { id: found.id, points, total, guessed, ...(colours ? { colours } : {}), ...(frame.pose ? { pose: frame.pose } : {}) };
 }
 
+/** False where a value has nothing that points could come of, so that its members need not be asked for. */
+export function mayHavePoints(value: unknown, depth = 0): boolean {
+  if (typeof value !== 'object' || value === null || depth > 6) return false;
+  const { $image: image, $array: array, $ndarray: short } = value as Record<string, unknown>;
+  if (isDict(image)) return image.channels === 1 && image.dtype !== 'uint8';
+  for (const one of [array, short]) if (isDict(one)) return Array.isArray(one.shape) && one.shape.length === 2 && Number(one.shape[1]) >= 3;
+  return Object.values(value).some((part) => mayHavePoints(part, depth + 1));
+}
+
 export function createClouds(sources: Sources, isOn: Accessor<boolean>, show: (clouds: readonly Cloud[]) => void) {
   const ids = createMemo(() => sources.idsOf('cloud'));
   const moments = createRequest<Found[]>(() => (isOn() && ids().length > 0 ? { group: 'clouds', run: sources.ask(ids(), cursor(), () => 'at-or-before') } : null));
@@ -109,7 +118,7 @@ export function createClouds(sources: Sources, isOn: Accessor<boolean>, show: (c
         const isWhole = kept.max >= max || kept.clouds.every((cloud) => cloud.points.length === 3 * cloud.total);
         if (key === kept.key && isWhole) return kept.clouds;
         const all: Cloud[] = [];
-        for (const one of found) {
+        for (const one of found.filter((each) => mayHavePoints(valueOf(each)))) {
           const members = (await membersOf(one.id)).filter((member) => member.kind === 'depth' || member.kind === 'cloud');
           if (members.length === 0 || all.length >= kMaxClouds) continue;
           const frame = await frameOf(valueOf(one), sources.follow(signal));

@@ -36,7 +36,7 @@ export function lensIn(value: unknown): Lens | undefined {
 }
 
 /** A member of a value that is an image in colours. */
-function colourPath(value: unknown): string | undefined {
+export function colourPath(value: unknown): string | undefined {
   return (isDict(value) ? Object.keys(value) : []).find((key) => { const part = (value as Record<string, unknown>)[key]; return isDict(part) && isDict(part.$image) && part.$image.channels === 3; });
 }
 

@@ -58,7 +58,10 @@ function free(object: THREE.Object3D): void {
     const mesh = part as Partial<THREE.Mesh>;
     mesh.geometry?.dispose();
     const material = mesh.material;
-    (Array.isArray(material) ? material : material ? [material] : []).forEach((one) => one.dispose());
+    for (const one of Array.isArray(material) ? material : material ? [material] : []) {
+      (one as THREE.MeshBasicMaterial).map?.dispose();
+      one.dispose();
+    }
   });
 }
 
@@ -113,9 +116,9 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
   const fit = (things: readonly Thing[]): void => {
     if (isFitted || things.length === 0) return;
     isFitted = true;
-    const sphere = new THREE.Box3().setFromPoints(things.map((thing) => new THREE.Vector3(...thing.placed.position))).getBoundingSphere(new THREE.Sphere());
+    const sphere = new THREE.Box3().setFromObject(content).getBoundingSphere(new THREE.Sphere());
     controls.target.copy(sphere.center);
-    camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(-0.42, -1, 0.72).normalize(), Math.max(0.6, sphere.radius) * 2.1);
+    camera.position.copy(sphere.center).addScaledVector(new THREE.Vector3(-0.42, -1, 0.72).normalize(), Math.max(0.6, sphere.radius) * 1.5);
     controls.update();
   };
   // Drawn when something changed, not sixty times a second.
