@@ -45,6 +45,20 @@ const tall = { width: 800, height: 1200 };
 for (const [size, viewport] of [['', wide], ['-tall', tall]])
   for (const scheme of ['light', 'dark']) {
     await picture(`past-${scheme}${size}`, scheme, viewport, middle);
+    await picture(`scene-${scheme}${size}`, scheme, viewport, async (page) => {
+      await page.goto(`${url}#1&h=150&p=scene~~~height.560;inspector`);
+      await middle(page);
+      await page.locator('.scene canvas').waitFor();
+      await page.waitForTimeout(4000);
+      // From its side, so that one sees what it sees.
+      const scene = await page.locator('.scene').boundingBox();
+      const [x, y] = [scene.x + scene.width * 0.6, scene.y + scene.height * 0.7];
+      await page.mouse.move(x, y);
+      await page.mouse.down();
+      await page.mouse.move(x + 70, y + 22, { steps: 8 });
+      await page.mouse.up();
+      await page.mouse.wheel(0, -350);
+    });
     await picture(`future-${scheme}${size}`, scheme, viewport, async (page) => {
       await choose(page, 'stereo');
       await page.keyboard.press('f');
