@@ -23,6 +23,16 @@ import { SeriesTable } from './SeriesTable';
 
 /** How far a prediction from a past moment reaches at most. */
 const kReachNs = 2_000_000_000n;
+/** How much longer than a prediction the pause behind it is at least, while a memory grows. */
+const kPredictingPause = 19;
+
+async function timed<T>(run: () => Promise<T>, told: (ms: number) => void): Promise<T> {
+  const begin = performance.now();
+  const value = await run();
+  told(performance.now() - begin);
+  return value;
+}
+
 /** How long the gateway may read for a plot that rests. */
 const kWholeMs = 5000;
 
@@ -59,8 +69,11 @@ export function PlotPanel(props: { panel: Panel }) {
     return { group: `${entity} ${paths.join(' ')} ${rough.span.from} ${rough.span.to}`, run: (signal) => askSeries(entity, paths, rough.span, rough.pixels, signal, kWholeMs) };
   });
   const best = createMemo(() => whole.data() ?? plotted.data());
-  // A prediction costs more than a value, so a memory that grows is predicted anew once a second.
-  const newest = createMemo<bigint>((before) => { const own = ownLast(props.panel.entity); return own < before || own - before >= 1_000_000_000n ? own : before; }, 0n);
+  // A prediction costs more than a value, so a memory that grows is predicted anew once a second, or
+  // less often: whoever predicts is the robot itself, of which this takes a twentieth at most.
+  const [tookMs, setTookMs] = createSignal(0);
+  const pauseNs = () => BigInt(Math.max(1000, Math.round(kPredictingPause * tookMs()))) * 1_000_000n;
+  const newest = createMemo<bigint>((before) => { const own = ownLast(props.panel.entity); return own < before || own - before >= untrack(pauseNs) ? own : before; }, 0n);
   // Behind the last snapshot, as far as the screen reaches; or from the cursor, beside what came.
   const foreseen = createRequest<Foreseen>(() => {
     const { entity, paths } = props.panel;
@@ -70,7 +83,7 @@ export function PlotPanel(props: { panel: Panel }) {
     const wanted = isPast ? kReachNs : restView().to - from;
     const reach = wanted < most ? wanted : most;
     if (paths.length === 0 || reach <= 0n) return null;
-    return { group: `${entity} ${paths.join(' ')} ${isPast}`, run: (signal) => foresee(entity, paths, isPast ? from : undefined, reach, setCoarse, signal) };
+    return { group: `${entity} ${paths.join(' ')} ${isPast}`, run: (signal) => timed(() => foresee(entity, paths, isPast ? from : undefined, reach, setCoarse, signal), setTookMs) };
   });
   createEffect(on(() => [props.panel.entity, props.panel.paths, fromHere()], () => setCoarse(null)));
   const shownFuture = () => foreseen.data() ?? (foreseen.isBusy() ? coarse() : null);
