@@ -32,7 +32,7 @@ export function captionOf(tile: Tile): string {
     picture.psnr !== undefined && picture.source !== 'recorded' ? `${picture.psnr.toFixed(1)} dB` : '',
     picture.bytes !== undefined ? formatBytes(picture.bytes) : '',
     picture.range ? `black ${formatNumber(picture.range[0])}, white ${formatNumber(picture.range[1])}` : '',
-    picture.gain !== undefined ? `gain ${picture.gain}` : '',
+    picture.gain !== undefined ? `gain ${Number(picture.gain.toPrecision(2))}` : '',
     picture.expectedError !== undefined ? `expected error ${picture.expectedError.toPrecision(2)}` : '',
     picture.bound !== undefined ? `bound ${picture.bound.toPrecision(2)}` : '',
     picture.engine ? `by ${picture.engine}` : '',
