@@ -52,19 +52,26 @@ uint64_t published_bytes(const Manifest& manifest) {
 struct Stock {
   uint64_t bytes = 0;
   std::set<int> models;
-
-  static Stock of(const Manifest& manifest, const MemoryId& entity) {
-    Stock stock;
-    for (const SegmentInfo& segment : manifest.segments)
-      if (const SegmentEntity* part = segment.find(entity)) stock.bytes += part->stored_bytes;
-    for (const ModelInfo& model : manifest.models) {
-      if (model.entity != entity) continue;
-      stock.bytes += model.bytes;
-      stock.models.insert(model.version);
-    }
-    return stock;
-  }
 };
+
+/// What a manifest has of each of the entities.
+std::map<MemoryId, Stock> stocks_of(const Manifest& manifest,
+                                    const std::vector<NightEntity>& entities) {
+  std::map<MemoryId, Stock> stocks;
+  for (const NightEntity& entity : entities) {
+    Stock& stock = stocks[entity.entity];
+    for (const SegmentInfo& segment : manifest.segments)
+      if (const SegmentEntity* part = segment.find(entity.entity))
+        stock.bytes += part->stored_bytes;
+  }
+  // Each model once: all of them for each entity would be the square of their number.
+  for (const ModelInfo& model : manifest.models)
+    if (const auto stock = stocks.find(model.entity); stock != stocks.end()) {
+      stock->second.bytes += model.bytes;
+      stock->second.models.insert(model.version);
+    }
+  return stocks;
+}
 
 double rounded(double psnr_db) {
   return std::round(psnr_db * 100) / 100;
@@ -281,8 +288,11 @@ Status NightAccount::write(Time ended, const Status& failure) {
   record_.ended = ended;
   record_.failure = failure.message();
   record_.bytes_after = published_bytes(after);
+  const auto all_old = stocks_of(before_, record_.entities);
+  const auto all_now = stocks_of(after, record_.entities);
   for (NightEntity& entity : record_.entities) {
-    const Stock old = Stock::of(before_, entity.entity), now = Stock::of(after, entity.entity);
+    const Stock& old = all_old.at(entity.entity);
+    const Stock& now = all_now.at(entity.entity);
     entity.bytes_before = old.bytes;
     entity.bytes_after = now.bytes;
     entity.models_added.clear();
