@@ -25,9 +25,10 @@ namespace {
 
 constexpr const char* kViewFooter =
     R"(Shows memories in a browser, until Ctrl-C: what there is, past and future on one time axis. Of
-several, the page shows the one that is chosen there. The page is at the URL that is printed first. It has a token, so keep it to yourself. Only this machine
-reaches it; from another one, tunnel: ssh -L 8200:127.0.0.1:8200 robot. Nothing is changed, and no
-other place is asked for anything. See docs/viewer.md.
+several, the page shows the one that is chosen there. The page is at the URL that is printed first.
+It has a token, so keep it to yourself. Only this machine reaches it; from another one, tunnel:
+ssh -L 8200:127.0.0.1:8200 robot. Nothing is changed, and no other place is asked for anything. See
+docs/viewer.md.
 
 Examples:
   engram view robot.engram

@@ -133,6 +133,26 @@ TEST_F(Installed, BecomesTheProgramForAllElse) {
   EXPECT_THAT(engram("fly").text, HasSubstr("PROGRAM ")) << "what is wrong is not known";
 }
 
+TEST_F(Installed, LeavesAllWordsToACommandThatTakesAny) {
+  EXPECT_THAT(engram("view --fly").text, ::testing::Not(HasSubstr("PROGRAM ")));
+  // As a program without the viewer writes it, whose command says how to get one.
+  const fs::path usage = program_.parent_path() / "help/usage.txt";
+  std::ifstream stream(usage);
+  std::string text, line;
+  size_t changed = 0;
+  while (std::getline(stream, line)) {
+    if (line.starts_with("command\t1\tview\t")) {
+      line.back() = '1';
+      ++changed;
+    }
+    text += line + '\n';
+  }
+  stream.close();
+  ASSERT_EQ(changed, 1u);
+  std::ofstream(usage) << text;
+  EXPECT_THAT(engram("view --fly").text, HasSubstr("PROGRAM "));
+}
+
 TEST_F(Installed, KeepsItsProcessAndIsFoundByALink) {
   const fs::path link = directory_.path() / "link";
   fs::create_symlink(engram_, link);
