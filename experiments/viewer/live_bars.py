@@ -6,7 +6,7 @@ A memory server, a robot that commits joints and images to it, `engram view` of 
 Chromium that follows. Prints how long it takes from a commit to what a person sees of it, and how
 the memory of the browser and of the gateway grows. A commit carries the time at which it was made,
 so the page alone tells how old what it shows is; that needs commits that are further apart than
-what is measured, as they are at 10 a second.
+what is measured, as they are at 3 a second.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import threading
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "viewer"))
-from viewing import Viewed  # noqa: E402
+from viewing import Viewed, resident_mb  # noqa: E402
 
 EXAMPLES = """Examples:
   live_bars.py build/release/bin/engram build/release/viewer/web
@@ -83,19 +83,14 @@ class Robot:
         self.program.wait(60)
 
 
-def resident_mb(process: int) -> float:
-    status = pathlib.Path(f"/proc/{process}/status").read_text()
-    return int(status.split("VmRSS:")[1].split()[0]) / 1024
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, epilog=EXAMPLES,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("engram", help="the program")
     parser.add_argument("web", help="where the build made the page: build/release/viewer/web")
     parser.add_argument("--seconds", type=int, default=60, help="how long the page follows")
-    parser.add_argument("--joints", type=int, default=10, help="commits of joints per second")
-    parser.add_argument("--images", type=int, default=10, help="images per second")
+    parser.add_argument("--joints", type=int, default=3, help="commits of joints per second")
+    parser.add_argument("--images", type=int, default=3, help="images per second")
     parser.add_argument("--json", type=pathlib.Path, help="writes all figures here")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -112,9 +107,9 @@ def main() -> int:
                 watched = subprocess.Popen(
                     ["node", str(HERE / "page_bars.mjs"), str(pathlib.Path(asked.web).resolve()),
                      "live", viewed.url, str(asked.seconds)], stdout=subprocess.PIPE, text=True)
-                resident = []
+                gateway = []
                 while watched.poll() is None:
-                    resident.append((time.monotonic(), resident_mb(viewed.process.pid)))
+                    gateway.append(resident_mb(viewed.process.pid))
                     time.sleep(min(10.0, asked.seconds / 20))
                 assert watched.stdout
                 seen = json.loads(watched.stdout.read())
@@ -130,7 +125,6 @@ def main() -> int:
     third = max(1, len(heap) // 3)
     print(f"heap of the page after collection: {heap[0]:.1f} MB at first, {heap[third]:.1f} after a "
           f"third, {heap[-1]:.1f} at the end, {max(heap):.1f} at most (bar 300)")
-    gateway = [mb for _, mb in resident]
     third = len(gateway) // 3
     print(f"gateway: {gateway[0]:.0f} MB at first, {gateway[third]:.0f} after a third, "
           f"{gateway[-1]:.0f} at the end, {max(gateway):.0f} at most (bar 500)")

@@ -24,7 +24,7 @@ import urllib.parse
 from typing import Any
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tests" / "viewer"))
-from viewing import Viewed, make_kitchen, run  # noqa: E402
+from viewing import Viewed, make_kitchen, resident_mb, run  # noqa: E402
 
 EXAMPLES = """Examples:
   viewer_bars.py build/release/bin/engram build/release/viewer/web
@@ -70,13 +70,6 @@ class Asking:
         if response.status != 200:
             raise SystemExit(f"{target}: {response.status} {body[:300]!r}")
         return took, body, {key.lower(): value for key, value in response.getheaders()}
-
-
-def resident_mb(process: int) -> float:
-    for line in pathlib.Path(f"/proc/{process}/status").read_text().splitlines():
-        if line.startswith("VmRSS"):
-            return int(line.split()[1]) / 1e3
-    return 0
 
 
 def page(web: str, *words: Any) -> Any:

@@ -72,6 +72,12 @@ class Viewed:
         return status, json.loads(body)["error"]["code"]
 
 
+def resident_mb(process: int) -> float:
+    """What a process has in memory."""
+    status = pathlib.Path(f"/proc/{process}/status").read_text()
+    return int(status.split("VmRSS:")[1].split()[0]) / 1024
+
+
 def run(engram: str, *arguments: str) -> str:
     return subprocess.run([engram, *arguments], check=True, capture_output=True, text=True).stdout
 
