@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "reports/plain/forget_job.h"
+#include "reports/plain/forget_text.h"
 #include "viewer/forget_form.h"
 #include "viewer/view_answers.h"
 
@@ -11,7 +12,7 @@ namespace engram::viewer {
 
 namespace {
 
-using PlanJson = nlohmann::ordered_json;
+using reports::Json;
 using Counts = std::vector<uint32_t>;
 
 Counts count_times(const TimeSet& set, const ltm::TimeBins& bins) {
@@ -46,42 +47,10 @@ struct ForgetLane {
   }
 };
 
-PlanJson lane_json(ForgetLane lane) {
+Json lane_json(ForgetLane lane) {
   return {{"stays", std::move(lane.stays)},
           {"fades", std::move(lane.fades)},
           {"gone", std::move(lane.gone)}};
-}
-
-PlanJson entity_plan_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
-  PlanJson fading = PlanJson::array();
-  for (const ltm::FadingSnapshots& part : plan.fading) {
-    PlanJson one{{"form", part.psnr_db ? "psnr" : "gist"}, {"snapshots", part.times.size()}};
-    if (part.psnr_db) one["psnr"] = *part.psnr_db;
-    fading.push_back(std::move(one));
-  }
-  return {{"id", id.to_string()},
-          {"forgotten", plan.gone.size()},
-          {"reasons", plan.reasons},
-          {"freed_bytes", plan.freed_bytes},
-          {"fading", std::move(fading)},
-          {"fading_reasons", plan.fading_reasons},
-          {"faded_bytes", plan.faded_bytes},
-          {"stays", plan.stays},
-          {"protected", plan.shielded},
-          {"not_sealed_yet", plan.unsealed}};
-}
-
-PlanJson sums_json(const ltm::ForgetPlan& plan) {
-  return {{"snapshots", plan.snapshots()},
-          {"freed_bytes", plan.freed_bytes},
-          {"fading", plan.fading()},
-          {"faded_bytes", plan.faded_bytes},
-          {"fades_for_quota", plan.fades_for_quota},
-          {"store_bytes", plan.store_bytes},
-          {"free_disk_bytes", plan.free_disk_bytes},
-          {"quota_missing_bytes", plan.missing_bytes},
-          {"not_sealed_yet", plan.unsealed()},
-          {"notes", plan.notes}};
 }
 
 /// Entities of a plan, those that lose most bytes in front; of those that lose nothing by name.
@@ -113,10 +82,10 @@ Result<ltm::TimeBins> bins_of_life(ViewedMemory& viewed, const StoreView& view,
 
 ViewAnswer plan_answer(ViewedMemory& viewed, const std::string& config, const ltm::ForgetPlan& plan,
                        size_t bins, size_t max_lanes) {
-  PlanJson json;
+  Json json;
   ENGRAM_RETURN_IF_ERROR(viewed.with_store([&](const StoreView& view) -> Status {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::TimeBins life, bins_of_life(viewed, view, plan, bins));
-    PlanJson entities = PlanJson::array();
+    Json entities = Json::array();
     uint64_t stay_elsewhere = 0;
     for (const auto* entity : ordered(plan)) {
       const auto& [id, one] = *entity;
@@ -125,7 +94,7 @@ ViewAnswer plan_answer(ViewedMemory& viewed, const std::string& config, const lt
         stay_elsewhere += one.stays;
         continue;
       }
-      PlanJson told = entity_plan_json(id, one);
+      Json told = reports::planned_entity_json(id, one);
       if (has_lane && view.reader.has(id)) {
         ENGRAM_ASSIGN_OR_RETURN(const auto times, viewed.times(view, id));
         told["lane"] = lane_json(ForgetLane::of(one, *times, life));
@@ -136,7 +105,7 @@ ViewAnswer plan_answer(ViewedMemory& viewed, const std::string& config, const lt
             {"from", time_text(life.begin(0))},
             {"to", time_text(life.begin(life.count()))},
             {"bins", bins},
-            {"plan", sums_json(plan)},
+            {"plan", reports::plan_sums_json(plan)},
             {"left_out", plan.entities.size() - entities.size()},
             {"left_out_stays", stay_elsewhere},
             {"entities", std::move(entities)}};

@@ -29,18 +29,6 @@ void print_fading(const ltm::EntityForgetPlan& plan) {
     print(fmt::format("         frees about {}", size_text(plan.faded_bytes)));
 }
 
-Json fading_json(const ltm::EntityForgetPlan& plan) {
-  Json parts = Json::array();
-  for (const ltm::FadingSnapshots& part : plan.fading) {
-    Json times = Json::array();
-    for (const Time time : part.times) times.push_back(to_ns(time));
-    Json one{{"form", part.psnr_db ? "psnr" : "gist"}, {"times_ns", std::move(times)}};
-    if (part.psnr_db) one["psnr"] = *part.psnr_db;
-    parts.push_back(std::move(one));
-  }
-  return parts;
-}
-
 Json counts_json(const std::map<std::string, uint64_t>& counts) {
   Json json = Json::object();
   for (const auto& [reason, count] : counts) json[reason] = count;
@@ -131,20 +119,18 @@ void print_entity(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
   print("  stays  " + stays_text(plan));
 }
 
+Json times_json(const TimeSet& times) {
+  Json list = Json::array();
+  for (const Time time : times) list.push_back(to_ns(time));
+  return list;
+}
+
 Json entity_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
-  Json times = Json::array();
-  for (const Time time : plan.gone) times.push_back(to_ns(time));
-  return {{"id", id.to_string()},
-          {"forgotten", plan.gone.size()},
-          {"reasons", counts_json(plan.reasons)},
-          {"freed_bytes", plan.freed_bytes},
-          {"fading", fading_json(plan)},
-          {"fading_reasons", counts_json(plan.fading_reasons)},
-          {"faded_bytes", plan.faded_bytes},
-          {"stays", plan.stays},
-          {"protected", plan.shielded},
-          {"not_sealed_yet", plan.unsealed},
-          {"times_ns", std::move(times)}};
+  Json json = planned_entity_json(id, plan);
+  for (size_t i = 0; i < plan.fading.size(); ++i)
+    json["fading"][i]["times_ns"] = times_json(plan.fading[i].times);
+  json["times_ns"] = times_json(plan.gone);
+  return json;
 }
 
 }  // namespace
@@ -164,9 +150,7 @@ void print_plan(const ltm::ForgetPlan& plan) {
   for (const std::string& note : plan.notes) print("Note: " + printable(note));
 }
 
-Json plan_json(const ltm::ForgetPlan& plan) {
-  Json entities = Json::array();
-  for (const auto& [id, entity] : plan.entities) entities.push_back(entity_json(id, entity));
+Json plan_sums_json(const ltm::ForgetPlan& plan) {
   return {{"snapshots", plan.snapshots()},
           {"freed_bytes", plan.freed_bytes},
           {"fading", plan.fading()},
@@ -176,8 +160,34 @@ Json plan_json(const ltm::ForgetPlan& plan) {
           {"free_disk_bytes", plan.free_disk_bytes},
           {"quota_missing_bytes", plan.missing_bytes},
           {"not_sealed_yet", plan.unsealed()},
-          {"notes", plan.notes},
-          {"entities", std::move(entities)}};
+          {"notes", plan.notes}};
+}
+
+Json planned_entity_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan) {
+  Json fading = Json::array();
+  for (const ltm::FadingSnapshots& part : plan.fading) {
+    Json one{{"form", part.psnr_db ? "psnr" : "gist"}, {"snapshots", part.times.size()}};
+    if (part.psnr_db) one["psnr"] = *part.psnr_db;
+    fading.push_back(std::move(one));
+  }
+  return {{"id", id.to_string()},
+          {"forgotten", plan.gone.size()},
+          {"reasons", counts_json(plan.reasons)},
+          {"freed_bytes", plan.freed_bytes},
+          {"fading", std::move(fading)},
+          {"fading_reasons", counts_json(plan.fading_reasons)},
+          {"faded_bytes", plan.faded_bytes},
+          {"stays", plan.stays},
+          {"protected", plan.shielded},
+          {"not_sealed_yet", plan.unsealed}};
+}
+
+Json plan_json(const ltm::ForgetPlan& plan) {
+  Json json = plan_sums_json(plan);
+  json["entities"] = Json::array();
+  for (const auto& [id, entity] : plan.entities)
+    json["entities"].push_back(entity_json(id, entity));
+  return json;
 }
 
 void print_report(const ltm::ForgetReport& report) {

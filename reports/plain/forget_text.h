@@ -10,6 +10,11 @@ namespace engram::reports {
 /// the bytes that it frees.
 void print_plan(const ltm::ForgetPlan& plan);
 
+/// What is true of a plan as a whole.
+[[nodiscard]] Json plan_sums_json(const ltm::ForgetPlan& plan);
+/// What a plan does to one entity, in counts and bytes.
+[[nodiscard]] Json planned_entity_json(const ltm::MemoryId& id, const ltm::EntityForgetPlan& plan);
+
 /// Like print_plan(), with the time of every snapshot that is forgotten.
 [[nodiscard]] Json plan_json(const ltm::ForgetPlan& plan);
 
