@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/skills/skill_engine.h"
+
+#include <algorithm>
+
+#include "ltm/core/log.h"
+
+namespace engram::skills {
+
+namespace {
+
+constexpr std::string_view kRequestSegment = "ExecutionRequest";
+
+/// The type of what the skill memory itself writes, so that conditions can ask what it tells.
+std::optional<idf::Type> type_in_skills(const ltm::MemoryId& entity) {
+  const auto& names = entity.names();
+  if (names[0] != kSkillMemory || names[1] != "Event") return std::nullopt;
+  return ::skill::Event::idf_type();
+}
+
+}  // namespace
+
+SkillEngine::SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock)
+    : records_(records), watched_(watched), clock_(std::move(clock)) {}
+
+Status SkillEngine::recover() {
+  ENGRAM_RETURN_IF_ERROR(watched_.watch({fmt::format("{}/{}", kSkillMemory, kRequestSegment)}));
+  ENGRAM_RETURN_IF_ERROR(recover_skills());
+  ENGRAM_RETURN_IF_ERROR(recover_executions());
+  return recover_requests();
+}
+
+void SkillEngine::connect(uint64_t session, std::shared_ptr<ProviderLink> link,
+                          const ProviderHello& hello) {
+  Status status = check_name("provider", hello.provider);
+  if (status.ok() && is_closing_) status = unavailable("the skill memory is closing");
+  if (status.ok() && providers_.contains(hello.provider))
+    status = already_exists(
+        "provider '{}': another provider of this name is connected; two need two names",
+        hello.provider);
+  Provider provider{session, link};
+  if (status.ok()) status = introduce(provider, hello);
+  if (status.ok()) providers_.emplace(hello.provider, std::move(provider));
+  link->welcome(status);
+  if (!status.ok()) return;
+  for (auto& [name, skill] : skills_)
+    if (name.provider == hello.provider && skill.when) on_condition(name, skill);
+}
+
+void SkillEngine::disconnect(uint64_t session) {
+  const auto provider = std::ranges::find_if(
+      providers_, [&](const auto& one) { return one.second.session == session; });
+  if (provider == providers_.end()) return;
+  const std::string name = provider->first;
+  providers_.erase(provider);
+  std::vector<std::string> running;
+  for (const auto& [id, execution] : executions_)
+    if (execution.session == session) running.push_back(id);
+  for (const std::string& id : running)
+    finish(executions_.find(id), ::skill::Outcome::LOST,
+           fmt::format("its provider '{}' went away", name), {});
+  for (auto& [skill_name, skill] : skills_) {
+    if (skill_name.provider != name || !skill.is_available) continue;
+    skill.is_available = false;
+    write_executable(skill_name, skill);
+  }
+  look_at_attempts();
+}
+
+void SkillEngine::on_snapshot(const ltm::Snapshot& snapshot) {
+  const auto& names = snapshot.entity.names();
+  if (names[0] == kSkillMemory && names[1] == kRequestSegment) on_request(snapshot);
+  const std::optional<idf::Type> type = type_in_skills(snapshot.entity);
+  // What runs is looked at first: it may free what others wait for.
+  std::vector<std::string> to_check;
+  for (auto& [id, execution] : executions_) {
+    const bool holds = execution.attempt.hold && execution.attempt.hold->offer(snapshot, type);
+    const bool posts = execution.attempt.post && execution.attempt.post->offer(snapshot, type);
+    if (holds || posts) to_check.push_back(id);
+  }
+  for (const std::string& id : to_check) {
+    if (const auto found = executions_.find(id); found != executions_.end())
+      check_holds(found->second, id);
+    if (const auto found = executions_.find(id); found != executions_.end()) conclude(found);
+  }
+  bool is_awaited = false;
+  for (Attempt& attempt : attempts_) {
+    if (attempt.pre) is_awaited = attempt.pre->offer(snapshot, type) || is_awaited;
+    if (attempt.hold) is_awaited = attempt.hold->offer(snapshot, type) || is_awaited;
+    if (attempt.post) attempt.post->offer(snapshot, type);
+  }
+  if (is_awaited) look_at_attempts();
+  for (auto& [name, skill] : skills_)
+    if (skill.when && skill.when->offer(snapshot, type)) on_condition(name, skill);
+}
+
+void SkillEngine::on_gap() {
+  // Subscriptions that were interrupted are in place again by themselves; what came in between is
+  // in the memory.
+  for (const Status& status : {recover_requests()})
+    if (!status.ok()) log::warning("skills: requests may have been missed: {}", status.message());
+}
+
+void SkillEngine::on_time() {
+  write_late_ends();
+  std::vector<std::string> ids;
+  for (const auto& [id, execution] : executions_) ids.push_back(id);
+  for (const std::string& id : ids) {
+    auto found = executions_.find(id);
+    if (found == executions_.end()) continue;
+    Execution& execution = found->second;
+    if (!execution.end) check_holds(execution, id);
+    if (execution.times_out && *execution.times_out <= now() && !execution.stops_until &&
+        !execution.end) {
+      execution.is_late = true;
+      tell_to_stop(
+          id, execution,
+          fmt::format("it took longer than {}",
+                      engram::to_string(*skills_.at(execution.attempt.name).description.timeout)),
+          {});
+    }
+    if (execution.stops_until && *execution.stops_until <= now() && !execution.end) {
+      finish(found, ::skill::Outcome::FAILURE,
+             fmt::format("its provider did not stop it in time ({})", execution.stop_reason), {});
+      continue;
+    }
+    conclude(found);
+  }
+  look_at_attempts();
+  for (auto& [name, skill] : skills_)
+    if (skill.when) on_condition(name, skill);
+}
+
+std::optional<Time> SkillEngine::next_time() const {
+  std::optional<Time> next;
+  const auto consider = [&](std::optional<Time> time) {
+    if (time && (!next || *time < *next)) next = time;
+  };
+  const Time at = now();
+  if (!late_ends_.empty()) consider(late_again_);
+  for (const auto& [id, execution] : executions_) {
+    if (execution.end) {
+      consider(execution.ends_until);
+      if (execution.attempt.post) consider(execution.attempt.post->next_change(at));
+      continue;
+    }
+    consider(execution.stops_until ? execution.stops_until : execution.times_out);
+    if (execution.attempt.hold && !execution.stops_until)
+      consider(execution.attempt.hold->next_change(at));
+  }
+  for (const Attempt& attempt : attempts_) {
+    consider(attempt.until);
+    if (attempt.pre) consider(attempt.pre->next_change(at));
+    if (attempt.hold) consider(attempt.hold->next_change(at));
+  }
+  for (const auto& [name, skill] : skills_)
+    if (skill.when) consider(skill.when->next_change(at));
+  return next;
+}
+
+void SkillEngine::shut_down() {
+  is_closing_ = true;
+  std::vector<Attempt> waiting = std::move(attempts_);
+  attempts_.clear();
+  for (const Attempt& attempt : waiting)
+    refuse(attempt.name, attempt.request, "the skill memory closed while it waited");
+  for (auto& [id, execution] : executions_)
+    if (!execution.end) tell_to_stop(id, execution, "the skill memory is closing", {});
+}
+
+void SkillEngine::lose_all(const std::string& reason) {
+  while (!executions_.empty()) finish(executions_.begin(), ::skill::Outcome::LOST, reason, {});
+  for (auto& [name, skill] : skills_) {
+    if (!skill.is_available) continue;
+    skill.is_available = false;
+    write_executable(name, skill);
+  }
+}
+
+SkillCounters SkillEngine::counters() const {
+  SkillCounters counters = counters_;
+  counters.running = executions_.size();
+  counters.waiting = attempts_.size();
+  return counters;
+}
+
+}  // namespace engram::skills

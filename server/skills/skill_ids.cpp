@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/skills/skill_ids.h"
+
+#include "server/skills/skill_types.h"
+
+namespace engram::skills {
+
+namespace {
+
+ltm::MemoryId skill_entity(std::string_view segment, std::string_view provider,
+                           std::string_view entity) {
+  auto id = ltm::MemoryId::from_names({std::string(kSkillMemory), std::string(segment),
+                                       std::string(provider), std::string(entity)});
+  ENGRAM_CHECK(id.ok(), "{}", id.status().message());
+  return *std::move(id);
+}
+
+}  // namespace
+
+ltm::MemoryId executable_id(const SkillName& name) {
+  return skill_entity("Executable", name.provider, name.skill);
+}
+
+ltm::MemoryId event_id(const SkillName& name) {
+  return skill_entity("Event", name.provider, name.skill);
+}
+
+ltm::MemoryId refusal_id(const SkillName& name) {
+  return skill_entity("Refusal", name.provider, name.skill);
+}
+
+ltm::MemoryId request_id(std::string_view requester, std::string_view skill) {
+  return skill_entity("ExecutionRequest", requester, skill);
+}
+
+Status check_name(std::string_view what, std::string_view name) {
+  constexpr size_t kMaxNameBytes = 200;
+  if (name.empty()) return invalid_argument("{}: found an empty name, needs one", what);
+  if (name.size() > kMaxNameBytes)
+    return invalid_argument("{}: found a name of {} bytes, needs at most {}", what, name.size(),
+                            kMaxNameBytes);
+  if (name.find('/') != std::string_view::npos)
+    return invalid_argument("{} '{}': found a slash, needs a name without one", what, name);
+  const auto id = ltm::MemoryId::from_names({std::string(name)});
+  return id.ok() ? Status() : id.status().with_context(what);
+}
+
+std::vector<std::pair<ltm::MemoryId, idf::Type>> skill_types() {
+  const auto segment = [](std::string_view name) {
+    auto id = ltm::MemoryId::from_names({std::string(kSkillMemory), std::string(name)});
+    ENGRAM_CHECK(id.ok(), "{}", id.status().message());
+    return *std::move(id);
+  };
+  return {{segment("Executable"), ::skill::Executable::idf_type()},
+          {segment("ExecutionRequest"), ::skill::ExecutionRequest::idf_type()},
+          {segment("Event"), ::skill::Event::idf_type()},
+          {segment("Refusal"), ::skill::Refusal::idf_type()}};
+}
+
+}  // namespace engram::skills
