@@ -15,7 +15,7 @@ BENCH ?=
 # How long each fuzzer searches, and the soak lasts.
 SECONDS ?= 600
 # How many processes `make crash` and `make crash-night` kill.
-KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,300)
+KILLS ?= $(if $(filter crash-night,$(MAKECMDGOALS)),100,$(if $(filter skill-kills,$(MAKECMDGOALS)),1000,300))
 # Which part of the experiments' config.json, and more options.
 PAPER ?= full
 PAPER_OPTIONS ?=
@@ -26,7 +26,7 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo view bench bench-build crash crash-night faults soak server-cut fuzz \
+.PHONY: help packages build test demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
 
@@ -47,6 +47,7 @@ help:
 	@echo "make many-bars   100,000 entities, answers of any size: time, disk and RAM (BARS=options)"
 	@echo "make hostile attack stores and the programs that open them, on this machine (BARS=options)"
 	@echo "make soak    kill servers, clients and the name system at random moments (SECONDS=600)"
+	@echo "make skill-kills     kill providers of skills and their server: one start, one end each (KILLS=1000)"
 	@echo "make server-cut      cut a server off the network: how soon do clients go on? (needs root)"
 	@echo "make recorder-bars   does the recorder keep up with a robot? (RECORDINGS, BARS=options)"
 	@echo "make store-scale     does a store of ten million snapshots stay quick?"
@@ -70,6 +71,7 @@ help:
 	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
+	@echo "make skill-bars      how soon a skill starts after the event that it waits for (BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make night-codec-bars    bytes and time where every image keeps a bound (RECORDINGS, BARS)"
@@ -131,6 +133,10 @@ soak: build/dev/build.ninja packages
 	cmake --build --preset dev --target soak_server
 	experiments/soak.sh $(SECONDS)
 
+skill-kills: build/dev/build.ninja packages
+	cmake --build --preset dev --target skill_kills
+	build/dev/bin/skill_kills $(KILLS)
+
 server-cut: build/dev/build.ninja packages
 	cmake --build --preset dev --target server_cut
 	experiments/server_cut.sh build/dev/bin/server_cut
@@ -175,6 +181,9 @@ codec-bars: experiments
 
 night-codec-bars: experiments
 	$(MEASURE) learning/night_codec_bars --json night_codec_bars.json $(BARS)
+
+skill-bars: experiments
+	$(MEASURE) server/skill_bars --json skill_bars.json $(BARS)
 
 age-bars: experiments
 	$(MEASURE) server/age_bars --json age_bars.json $(BARS)

@@ -13,8 +13,16 @@ constexpr size_t kRemembered = size_t{1} << 16;
 }  // namespace
 
 void EventHub::subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted) {
+  add({std::move(listener), std::move(is_wanted)});
+}
+
+void EventHub::subscribe_uncounted(std::shared_ptr<EventListener> listener, Wanted is_wanted) {
+  add({std::move(listener), std::move(is_wanted), false});
+}
+
+void EventHub::add(Subscription subscription) {
   const ExclusiveLock lock(mutex_);
-  subscriptions_.push_back({std::move(listener), std::move(is_wanted)});
+  subscriptions_.push_back(std::move(subscription));
   by_entity_.clear();
 }
 
@@ -54,7 +62,7 @@ void EventHub::forget(const IsForgotten& is_forgotten) {
 
 size_t EventHub::size() const {
   const SharedLock lock(mutex_);
-  return subscriptions_.size();
+  return static_cast<size_t>(std::ranges::count_if(subscriptions_, &Subscription::is_counted));
 }
 
 }  // namespace engram::memory

@@ -53,6 +53,8 @@ class EventHub {
   using Wanted = std::function<bool(const ltm::MemoryId& entity)>;
 
   void subscribe(std::shared_ptr<EventListener> listener, Wanted is_wanted);
+  /// The same for a part of the server itself, which size() leaves out.
+  void subscribe_uncounted(std::shared_ptr<EventListener> listener, Wanted is_wanted);
   /// The listener may still be offered what is being published at this moment.
   void unsubscribe(const EventListener* listener);
 
@@ -68,13 +70,17 @@ class EventHub {
   /// Lets all listeners drop what was forgotten before they passed it on.
   void forget(const IsForgotten& is_forgotten);
 
+  /// The number of subscribers.
   [[nodiscard]] size_t size() const;
 
  private:
   struct Subscription {
     std::shared_ptr<EventListener> listener;
     Wanted is_wanted;
+    bool is_counted = true;
   };
+
+  void add(Subscription subscription);
 
   mutable SharedMutex mutex_;
   std::vector<Subscription> subscriptions_ ENGRAM_GUARDED_BY(mutex_);

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "encoders/threads.h"
+#include "python/bindings/bound_skills.h"
 #include "python/bindings/front_door.h"
 #include "python/bindings/inspected_model.h"
 #include "python/bindings/jobs.h"
@@ -116,6 +117,9 @@ PYBIND11_MODULE(_core, module) {
       .def("counts", &StoreRecorder::counts)
       .def("close", &StoreRecorder::close);
   define_front_door(module);
+#if ENGRAM_HAS_SERVERS
+  engram::python::define_skills(module);
+#endif
   py::class_<InspectedModel>(module, "InspectedModel")
       .def(py::init<const std::string&>())
       .def("about", &InspectedModel::about)

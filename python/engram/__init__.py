@@ -38,6 +38,16 @@ if TYPE_CHECKING:
     from engram.recording import Recorder, Update, record
     from engram.replaying import Replaying, ReplayState, replay
     from engram.saliency import Salient, SalientPart
+    from engram.skills import (
+        SkillEnd,
+        SkillFailure,
+        SkillProvider,
+        SkillResult,
+        SkillRun,
+        provide,
+        run_skill,
+        skill,
+    )
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
     from engram.viewing import View
     from engram.watching import Event, Watch
@@ -64,6 +74,11 @@ _PLACES = {
     "SalientPart": "engram.saliency",
     "Similar": "engram.likeness",
     "SimilarMoment": "engram.likeness",
+    "SkillEnd": "engram.skills",
+    "SkillFailure": "engram.skills",
+    "SkillProvider": "engram.skills",
+    "SkillResult": "engram.skills",
+    "SkillRun": "engram.skills",
     "Snapshot": "engram.snapshot",
     "Update": "engram.recording",
     "View": "engram.viewing",
@@ -73,9 +88,12 @@ _PLACES = {
     "consolidate": "engram.jobs",
     "forget": "engram.jobs",
     "open": "engram.memory",
+    "provide": "engram.skills",
     "record": "engram.recording",
     "reflect": "engram.jobs",
     "replay": "engram.replaying",
+    "run_skill": "engram.skills",
+    "skill": "engram.skills",
 }
 
 __all__ = [
@@ -100,6 +118,11 @@ __all__ = [
     "SalientPart",
     "Similar",
     "SimilarMoment",
+    "SkillEnd",
+    "SkillFailure",
+    "SkillProvider",
+    "SkillResult",
+    "SkillRun",
     "Snapshot",
     "Update",
     "View",
@@ -109,9 +132,12 @@ __all__ = [
     "consolidate",
     "forget",
     "open",
+    "provide",
     "record",
     "reflect",
     "replay",
+    "run_skill",
+    "skill",
 ]
 
 # OpenMP reads it when it is loaded: its threads sleep where they wait, else they starve each other

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/robot/memory_server.h"
 
+#include <algorithm>
+
 #include "ltm/core/log.h"
 #include "server/client/names_client.h"
 #include "server/rpc/memory_rpc.h"
+#include "server/rpc/served_memory.h"
+#include "server/skills/skill_ids.h"
 
 namespace engram::server {
 
@@ -12,10 +16,39 @@ struct MemoryServer::State {
   uint64_t started = 0;
   std::unique_ptr<memory::MemoryService> service;
   std::unique_ptr<RpcContext> context;
+  std::unique_ptr<SkillHost> skills;  ///< Null: the server has none. Outlives all streams.
   std::unique_ptr<grpc::Service> rpc;
   std::unique_ptr<RpcServer> server;
   std::unique_ptr<Registrar> registrar;
 };
+
+namespace {
+
+bool may_have_skills(const MemoryServer::Options& options) {
+  const auto& memories = options.service.memories;
+  return options.skills &&
+         (memories.empty() || std::ranges::find(memories, skills::kSkillMemory) != memories.end());
+}
+
+void start_skill_host(const MemoryServer::Options& options, RpcContext& context,
+                      std::unique_ptr<SkillHost>& host) {
+  // Where nothing of every snapshot is kept, there is nothing to wait for.
+  const bool is_kept =
+      options.service.store && options.service.memory.mode != ltm::StoreMode::kLatest;
+  const skills::SkillMemory::Options skilled{
+      .durability = is_kept ? CommitDurability::kJournal : CommitDurability::kMemory,
+      .clock = options.skills->clock,
+      // What is asked before it has started is carried out all the same.
+      .carries_out_since = system_now()};
+  SkillHost::OpenMemory open = options.skills->open;
+  if (!open) open = [&context] { return Result(served_memory(context)); };
+  host = std::make_unique<SkillHost>(std::move(open), skilled);
+  context.skills = [&host = *host] { return host.get(); };
+  context.started_skills = [&host = *host] { return host.started(); };
+  host->start_on_request(context.hub);
+}
+
+}  // namespace
 
 MemoryServer::MemoryServer(std::unique_ptr<State> state) : state_(std::move(state)) {}
 
@@ -56,6 +89,7 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
             }));
     break;
   }
+  if (may_have_skills(options)) start_skill_host(options, *state->context, state->skills);
   state->rpc = make_memory_rpc(*state->context);
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
   ENGRAM_RETURN_IF_ERROR(state->context->audited(
@@ -91,6 +125,17 @@ Registration MemoryServer::registration() const {
   return said;
 }
 
+Status MemoryServer::begin_skills() {
+  if (!state_->skills) return {};
+  const auto& memories = state_->service->options().memories;
+  const bool is_its_memory = std::ranges::find(memories, skills::kSkillMemory) != memories.end();
+  ENGRAM_ASSIGN_OR_RETURN(
+      const auto what_is_there,
+      ltm::Query::parse(fmt::format("?ids {}/.*/.*/.* @ latest", skills::kSkillMemory)));
+  if (!is_its_memory && !state_->service->query(what_is_there).ok()) return {};
+  return state_->skills->get().status();
+}
+
 Status MemoryServer::commit(ltm::Commit commit) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Admission admission,
                           state_->service->commit(std::move(commit)));
@@ -101,6 +146,8 @@ Status MemoryServer::commit(ltm::Commit commit) {
 Status MemoryServer::stop() {
   if (!state_->server) return {};
   state_->registrar.reset();
+  // Providers are told to stop while their streams are still there.
+  if (state_->skills) state_->skills->close();
   state_->server->stop(std::chrono::milliseconds(200));
   state_->server.reset();
   // A store is closed even where the log cannot tell of it.

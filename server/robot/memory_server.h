@@ -8,6 +8,7 @@
 
 #include "memory/live/memory_service.h"
 #include "server/names/registration.h"
+#include "server/robot/skill_host.h"
 #include "server/rpc/rpc_context.h"
 #include "server/rpc/rpc_server.h"
 
@@ -33,6 +34,16 @@ class MemoryServer {
     /// Shared memory for clients on this host; its socket is beside the first Unix socket. Empty:
     /// no memory is shared.
     std::optional<SharedPool::Options> sharing = SharedPool::Options{};
+    /// The skill memory (docs/skills.md); empty: the server has none.
+    struct Skills {
+      /// The entity whose snapshots tell the time; empty: the clock of the operating system.
+      std::optional<ltm::MemoryId> clock{};
+      std::filesystem::path token{};  ///< What it shows other servers of the robot; empty: nothing.
+      /// Gives the memory in which it looks up conditions and to which it commits; null: that of
+      /// this server.
+      SkillHost::OpenMemory open{};
+    };
+    std::optional<Skills> skills = Skills{};
   };
 
   /// Starts a server. It registers at `names`, which may be null and otherwise must outlive the
@@ -49,6 +60,11 @@ class MemoryServer {
 
   /// What the server reports to a name system.
   [[nodiscard]] Registration registration() const;
+
+  /// Starts the skill memory, if this is the server of the memory `Skill` or has something of it.
+  /// Otherwise it starts when it is first needed.
+  /// Errors: those of SkillHost::get.
+  Status begin_skills();
 
   /// Commits data of this process itself and notifies subscribers.
   Status commit(ltm::Commit commit);

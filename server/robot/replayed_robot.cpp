@@ -54,6 +54,7 @@ Result<std::shared_ptr<memory::Replay>> replay_robot(RobotConfig& config, ltm::M
   size_t store = 0;
   for (size_t i = 0; i < config.servers.size(); ++i) {
     ServerConfig& server = config.servers[i];
+    server.options.skills.reset();
     memory::MemoryService::Options& service = server.options.service;
     server.prior.clear();
     server.options.durability = memory::MemoryService::Durability::kMemory;

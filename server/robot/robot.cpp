@@ -25,12 +25,17 @@ std::string host_name() {
   return name.data();
 }
 
+Result<std::string> token_in(const std::filesystem::path& file) {
+  ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(file));
+  std::string token(as_text(text.bytes()));
+  token.erase(token.find_last_not_of("\r\n") + 1);
+  return token;
+}
+
 Result<std::unique_ptr<NamesClient>> names_elsewhere(const NamesConfig& names) {
   ClientOptions options{.ca = names.ca};
   if (!names.token.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(const Buffer text, read_file(names.token));
-    options.token = as_text(text.bytes());
-    options.token.erase(options.token.find_last_not_of("\r\n") + 1);
+    ENGRAM_ASSIGN_OR_RETURN(options.token, token_in(names.token));
   }
   return NamesClient::connect(names.at->to_string(), options);
 }
@@ -65,6 +70,17 @@ struct Robot::State {
     return {};
   }
 
+  /// All memories of the robot, by its name system.
+  [[nodiscard]] Result<std::unique_ptr<Memory>> memory_of_robot(
+      const std::filesystem::path& token) const {
+    ConnectOptions options{.is_name_system = true, .ca = config.names->ca};
+    if (!token.empty()) {
+      ENGRAM_ASSIGN_OR_RETURN(options.token, token_in(token));
+    }
+    return Memory::connect(
+        names_server ? names_server->endpoints().front() : config.names->at->to_string(), options);
+  }
+
   Status start_server(const ServerConfig& server) {
     const std::string& name = server.options.service.name;
     for (const Endpoint& endpoint : server.options.rpc.endpoints)
@@ -72,6 +88,11 @@ struct Robot::State {
     MemoryServer::Options options = server.options;
     options.audit = audit;
     options.service.erasing = robot_options.erasing;
+    // Conditions may look at what other servers have.
+    if (options.skills && config.names)
+      options.skills->open = [this, token = options.skills->token] {
+        return memory_of_robot(token);
+      };
     auto started = MemoryServer::start(options, robot_options.loader, names_client.get());
     if (!started.ok()) return started.status().with_context(fmt::format("server '{}'", name));
     servers.push_back(*std::move(started));
@@ -160,6 +181,11 @@ Result<std::unique_ptr<Robot>> Robot::start(const RobotConfig& config, Options r
   ENGRAM_RETURN_IF_ERROR(state->start_names());
   for (const ServerConfig& server : config.servers)
     ENGRAM_RETURN_IF_ERROR(state->start_server(server));
+  // Only now, because the skill memory of one server may look at what others have.
+  for (const auto& server : state->servers)
+    if (const Status status = server->begin_skills(); !status.ok())
+      return status.with_context(
+          fmt::format("server '{}': skill memory", server->service().options().name));
   ENGRAM_RETURN_IF_ERROR(state->start_watch());
   State& running = *state;
   state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });

@@ -208,6 +208,28 @@ class RobotReader {
     return {};
   }
 
+  /// `skills: false`, or a map.
+  Status read_skills(ConfigMap& map, std::optional<MemoryServer::Options::Skills>& skills) const {
+    const auto value = map.find("skills");
+    if (!value) return {};
+    if (value->is_text()) {
+      ENGRAM_ASSIGN_OR_RETURN(const bool is_wanted, value->boolean());
+      if (!is_wanted) skills.reset();
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(ConfigMap options, value->map());
+    ENGRAM_RETURN_IF_ERROR(read_path(options, "token", skills->token));
+    if (const auto clock = options.find("clock")) {
+      ENGRAM_ASSIGN_OR_RETURN(const std::string text, clock->text());
+      auto entity = MemoryId::parse(text);
+      if (!entity.ok()) return clock->error(entity.status());
+      if (!entity->is_entity())
+        return clock->error(fmt::format("found '{}', needs an entity", text));
+      skills->clock = *std::move(entity);
+    }
+    return options.finish();
+  }
+
   Result<ServerConfig> read_server(const ConfigValue& value, bool is_only_one) {
     ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, value.map());
     ServerConfig server;
@@ -232,6 +254,7 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(read_count(map, "max_entities", max_entities));
     service.max_entities = max_entities.value_or(service.max_entities);
     ENGRAM_RETURN_IF_ERROR(read_threads(map, options.threads));
+    ENGRAM_RETURN_IF_ERROR(read_skills(map, options.skills));
     ENGRAM_RETURN_IF_ERROR(map.finish());
     if (const Status status = service.validate(); !status.ok()) return value.error(status);
     options.rpc.security = robot_.security;

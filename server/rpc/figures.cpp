@@ -79,6 +79,19 @@ std::vector<Figure> all_figures(RpcContext& context,
                    "Snapshots left out of answers, since nothing could say what to redact.",
                    number(answers.dropped)});
   }
+  if (const auto* skilled = context.started_skills ? context.started_skills() : nullptr) {
+    const skills::SkillCounters did = skilled->counters();
+    all.push_back({"skill_requests", "That asked for a skill.", number(did.requests)});
+    all.push_back({"skill_refused", "Requests that were refused.", number(did.refused)});
+    all.push_back({"skill_waiting", "Requests that wait now.", number(did.waiting)});
+    all.push_back({"skill_started", "Executions that started.", number(did.started)});
+    all.push_back({"skill_running", "Executions that run now.", number(did.running)});
+    all.push_back({"skill_succeeded", "Executions that succeeded.", number(did.succeeded)});
+    all.push_back({"skill_failed", "Executions that failed.", number(did.failed)});
+    all.push_back({"skill_stopped", "Executions that were stopped.", number(did.stopped)});
+    all.push_back(
+        {"skill_lost", "Executions whose provider or memory went away.", number(did.lost)});
+  }
   if (!context.sharing) return all;
   const PoolCounters pool = context.sharing->pool().counters();
   all.push_back({"shared_clients", "That share memory with the server.", number(pool.clients)});

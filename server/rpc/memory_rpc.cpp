@@ -10,6 +10,7 @@
 #include "server/rpc/commit_stream.h"
 #include "server/rpc/figures.h"
 #include "server/rpc/forget_stream.h"
+#include "server/rpc/provide_stream.h"
 #include "server/rpc/query_stream.h"
 #include "server/rpc/similar_call.h"
 #include "server/rpc/subscribe_stream.h"
@@ -32,7 +33,8 @@ using ServiceBase = v1::MemoryServer::WithRawCallbackMethod_Commit<
                     v1::MemoryServer::WithCallbackMethod_Forget<
                         v1::MemoryServer::WithCallbackMethod_Similar<
                             v1::MemoryServer::WithCallbackMethod_Context<
-                                v1::MemoryServer::Service>>>>>>>>>>;
+                                v1::MemoryServer::WithRawCallbackMethod_Provide<
+                                    v1::MemoryServer::Service>>>>>>>>>>>;
 
 constexpr int kMaxListedHorizons = 16;
 
@@ -65,6 +67,10 @@ class MemoryRpc final : public ServiceBase {
   ByteReactor* Query(grpc::CallbackServerContext* call) override { return open<QueryStream>(call); }
   ByteReactor* Subscribe(grpc::CallbackServerContext* call) override {
     return open<SubscribeStream>(call);
+  }
+
+  ByteReactor* Provide(grpc::CallbackServerContext* call) override {
+    return open<ProvideStream>(call);
   }
 
   grpc::ServerUnaryReactor* Declare(grpc::CallbackServerContext* call,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@
 #include "server/rpc/rpc_metrics.h"
 #include "server/rpc/shared_sessions.h"
 #include "server/rpc/work_queue.h"
+#include "server/skills/skill_memory.h"
 
 namespace engram::server {
 
@@ -31,6 +33,11 @@ struct RpcContext {
   std::shared_ptr<AuditLog> audit;          ///< Null: nobody keeps one.
   memory::EventHub hub;
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
+  /// The skill memory of this server, which starts when it is first needed; empty: it has none. It
+  /// outlives all streams.
+  std::function<Result<skills::SkillMemory*>()> skills;
+  /// The same, if it has started; null if not.
+  std::function<skills::SkillMemory*()> started_skills;
   RpcMetrics metrics;
   std::atomic<int> forgettings{0};    ///< Calls that forget, or look up what they may.
   std::atomic<int> similar_calls{0};  ///< Questions about likeness that are not answered yet.

@@ -9,7 +9,7 @@
 
 #include "ltm/filter/entity_pattern.h"
 #include "ltm/memory/snapshot.h"
-#include "server/skills/condition.h"
+#include "server/skills/skill_condition.h"
 
 namespace re2 {
 class RE2;

@@ -28,6 +28,12 @@ struct ProviderHello {
   std::vector<std::string> skills;
 };
 
+/// What a provider has from now on, or no longer.
+struct ProviderChange {
+  std::vector<std::string> added;    ///< As in ProviderHello.
+  std::vector<std::string> removed;  ///< Names of its skills.
+};
+
 /// What a provider says of an execution.
 struct SkillReport {
   std::string execution;
@@ -46,7 +52,8 @@ class ProviderLink {
  public:
   virtual ~ProviderLink() = default;
 
-  /// Whether its skills were taken. If not, nothing else follows.
+  /// Whether what it has was taken: once for its first words, and once for each change. If its
+  /// first words were not, nothing else follows.
   virtual void welcome(const Status& status) = 0;
   virtual void start(const SkillStart& start) = 0;
   virtual void stop(const std::string& execution, const std::string& reason) = 0;

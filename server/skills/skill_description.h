@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "server/skills/condition.h"
 #include "server/skills/parameter_set.h"
+#include "server/skills/skill_condition.h"
 
 namespace engram::skills {
 

@@ -20,8 +20,12 @@ std::optional<idf::Type> type_in_skills(const ltm::MemoryId& entity) {
 
 }  // namespace
 
-SkillEngine::SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock)
-    : records_(records), watched_(watched), clock_(std::move(clock)) {}
+SkillEngine::SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock,
+                         std::optional<Time> carries_out_since)
+    : records_(records),
+      watched_(watched),
+      clock_(std::move(clock)),
+      carries_out_since_(carries_out_since) {}
 
 Status SkillEngine::recover() {
   ENGRAM_RETURN_IF_ERROR(watched_.watch({fmt::format("{}/{}", kSkillMemory, kRequestSegment)}));
@@ -38,13 +42,23 @@ void SkillEngine::connect(uint64_t session, std::shared_ptr<ProviderLink> link,
     status = already_exists(
         "provider '{}': another provider of this name is connected; two need two names",
         hello.provider);
-  Provider provider{session, link};
-  if (status.ok()) status = introduce(provider, hello);
-  if (status.ok()) providers_.emplace(hello.provider, std::move(provider));
+  if (status.ok()) status = introduce(hello);
+  if (status.ok()) providers_.emplace(hello.provider, Provider{session, link});
   link->welcome(status);
   if (!status.ok()) return;
   for (auto& [name, skill] : skills_)
     if (name.provider == hello.provider && skill.when) on_condition(name, skill);
+}
+
+void SkillEngine::change(uint64_t session, const ProviderChange& change) {
+  const auto provider = std::ranges::find_if(
+      providers_, [&](const auto& one) { return one.second.session == session; });
+  if (provider == providers_.end()) return;
+  Status status = introduce({provider->first, change.added});
+  if (status.ok()) status = remove(provider->first, change.removed);
+  provider->second.link->welcome(status);
+  for (auto& [name, skill] : skills_)
+    if (name.provider == provider->first && skill.when) on_condition(name, skill);
 }
 
 void SkillEngine::disconnect(uint64_t session) {

@@ -41,7 +41,8 @@ struct SkillCounters {
 class SkillEngine {
  public:
   /// All of them must outlive it.
-  SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock);
+  SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock,
+              std::optional<Time> carries_out_since);
 
   /// Reads what is known, and ends what ran when the memory was last closed.
   /// Errors: those of the memory.
@@ -49,6 +50,7 @@ class SkillEngine {
 
   /// `link` is dropped once the provider is gone.
   void connect(uint64_t session, std::shared_ptr<ProviderLink> link, const ProviderHello& hello);
+  void change(uint64_t session, const ProviderChange& change);
   void disconnect(uint64_t session);
   void report(uint64_t session, const SkillReport& report);
 
@@ -121,7 +123,8 @@ class SkillEngine {
   Status recover_executions();
   Status recover_requests();
   Status take_skill(const SkillName& name, SkillDescription description, bool is_prior);
-  Status introduce(const Provider& provider, const ProviderHello& hello);
+  Status introduce(const ProviderHello& hello);
+  Status remove(const std::string& provider, const std::vector<std::string>& skills);
   void write_executable(const SkillName& name, KnownSkill& skill);
   void set_enabled(const SkillName& name, bool is_enabled);
   [[nodiscard]] Result<SkillName> find(const std::string& text) const;
@@ -162,6 +165,7 @@ class SkillEngine {
   SkillRecords& records_;
   WatchedEntities& watched_;
   const Clock clock_;
+  const std::optional<Time> carries_out_since_;  ///< See SkillMemory::Options.
   std::map<std::string, Provider> providers_;
   std::map<SkillName, KnownSkill> skills_;
   std::vector<Attempt> attempts_;

@@ -113,7 +113,8 @@ Status SkillEngine::recover_requests() {
     }
     // Nobody expects a robot to move for what was asked before it was switched off. What only
     // this process missed is carried out.
-    if (is_recovered_) {
+    const bool is_recent = carries_out_since_ && snapshot.time >= *carries_out_since_;
+    if (is_recovered_ || is_recent) {
       on_request(snapshot);
     } else if (mark_answered(id) && request->wish == ::skill::Wish::RUN) {
       refuse(name_in(snapshot.entity), id, "the skill memory was restarted before it began");
@@ -141,7 +142,7 @@ Status SkillEngine::take_skill(const SkillName& name, SkillDescription descripti
   return {};
 }
 
-Status SkillEngine::introduce(const Provider& provider, const ProviderHello& hello) {
+Status SkillEngine::introduce(const ProviderHello& hello) {
   std::vector<SkillDescription> all;
   std::set<std::string> names;
   for (const std::string& text : hello.skills) {
@@ -175,8 +176,20 @@ Status SkillEngine::introduce(const Provider& provider, const ProviderHello& hel
     skill.is_available = true;
     write_executable(name, skill);
   }
-  log::info("skills: provider '{}' has {} skills (session {})", hello.provider, names.size(),
-            provider.session);
+  if (!names.empty())
+    log::info("skills: provider '{}' has {}", hello.provider, fmt::join(names, ", "));
+  return {};
+}
+
+Status SkillEngine::remove(const std::string& provider, const std::vector<std::string>& skills) {
+  for (const std::string& skill : skills) {
+    const auto found = skills_.find({provider, skill});
+    if (found == skills_.end() || !found->second.is_available)
+      return not_found("provider '{}': has no skill '{}'", provider, skill);
+    found->second.is_available = false;
+    write_executable(found->first, found->second);
+  }
+  look_at_attempts();
   return {};
 }
 

@@ -39,7 +39,7 @@ struct SkillMemory::State {
         watched(
             of, [this](std::vector<ToldSnapshot> told) { take(std::move(told)); },
             [this] { post([](SkillEngine& one) { one.on_gap(); }); }),
-        engine(records, watched, clock()) {}
+        engine(records, watched, clock(), with.carries_out_since) {}
 
   Clock clock() {
     if (!options.clock) return system_now;
@@ -159,6 +159,10 @@ uint64_t SkillMemory::connect(std::shared_ptr<ProviderLink> link, const Provider
     engine.connect(session, link, hello);
   });
   return session;
+}
+
+void SkillMemory::change(uint64_t session, const ProviderChange& change) {
+  state_->post([session, change](SkillEngine& engine) { engine.change(session, change); });
 }
 
 void SkillMemory::report(uint64_t session, const SkillReport& report) {

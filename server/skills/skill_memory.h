@@ -27,6 +27,9 @@ class SkillMemory {
     /// The entity whose snapshots tell the time, of a robot that is simulated in steps. Empty: the
     /// clock of the operating system.
     std::optional<ltm::MemoryId> clock{};
+    /// Requests since then are carried out when it starts, if nobody has answered them; older ones
+    /// are refused. Empty: all are refused.
+    std::optional<Time> carries_out_since{};
     /// How long executions have to end when it is closed.
     Duration closes_within = std::chrono::seconds(2);
   };
@@ -41,6 +44,8 @@ class SkillMemory {
   /// A provider has come. `link` is told what to execute, by the thread of this memory.
   /// Returns what the provider is called in the other calls.
   uint64_t connect(std::shared_ptr<ProviderLink> link, const ProviderHello& hello);
+  /// What a provider has besides, or no longer.
+  void change(uint64_t session, const ProviderChange& change);
   /// What a provider says of an execution.
   void report(uint64_t session, const SkillReport& report);
   /// A provider is gone. What runs of it is lost.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/skills/condition.h"
+#include "server/skills/skill_condition.h"
 
 #include <re2/re2.h>
 

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/rpc/served_memory.h"
+
+#include "memory/live/local_subscription.h"
+#include "server/rpc/memory_rpc.h"
+
+namespace engram::server {
+
+namespace {
+
+class ServedMemory final : public Memory {
+ public:
+  explicit ServedMemory(RpcContext& context)
+      : context_(context),
+        // The context owns the hub, and outlives this.
+        hub_(&context.hub, [](memory::EventHub*) {}) {}
+
+  Status declare(const ltm::MemoryId& segment, const idf::Type& type) override {
+    return context_.service.declare(segment, type);
+  }
+
+  Status commit(const ltm::Commit& commit, CommitDurability durability) override {
+    using Needed = memory::MemoryService::Durability;
+    Needed needed = context_.durability;
+    if (durability == CommitDurability::kMemory) needed = Needed::kMemory;
+    if (durability == CommitDurability::kJournal) needed = Needed::kJournal;
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::Admission admission,
+                            context_.service.commit(commit, {}, needed));
+    publish(context_, admission.snapshots);
+    return needed == Needed::kJournal ? context_.service.wait_stored(admission) : Status();
+  }
+
+  using Memory::query;
+  Result<ltm::QueryResult> query(const ltm::Query& query, const std::string& engine) override {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Answer answer, context_.service.query(query, engine));
+    return std::move(answer).to_result();
+  }
+
+  Result<std::vector<ltm::EngineRecord>> engines(const ltm::MemoryId& entity, Duration ahead,
+                                                 std::optional<Time> at) override {
+    return context_.service.engines(entity, ahead, at);
+  }
+
+  Result<ltm::SimilarAnswer> similar(const ltm::SimilarRequest& request) override {
+    return context_.service.similar(request);
+  }
+
+  Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
+                                                  SubscriptionHandlers handlers) override {
+    return memory::subscribe_locally(hub_, options, std::move(handlers));
+  }
+
+  Status close() override { return {}; }
+
+ private:
+  Result<std::vector<ltm::SnapshotResult>> predict_from(const ltm::MemoryId& entity,
+                                                        std::span<const Duration> horizons,
+                                                        const PredictOptions& options) override {
+    return context_.service.predict(
+        entity, {options.at, {horizons.begin(), horizons.end()}, options.engine, options.plan});
+  }
+
+  RpcContext& context_;
+  const std::shared_ptr<memory::EventHub> hub_;
+};
+
+}  // namespace
+
+std::unique_ptr<Memory> served_memory(RpcContext& context) {
+  return std::make_unique<ServedMemory>(context);
+}
+
+}  // namespace engram::server
