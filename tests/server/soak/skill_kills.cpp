@@ -114,11 +114,11 @@ struct Executions {
   int ends = 0;
 };
 
-/// What is wrong with what is stored and noted; empty if nothing is.
+/// What is wrong with what the server has and what was noted; empty if nothing is.
 std::vector<std::string> check_robot(const std::filesystem::path& folder,
                                      std::map<std::string, int>& counts) {
   std::vector<std::string> wrong;
-  const auto memory = Memory::open(folder / "robot.engram", {.is_read_only = true});
+  const auto memory = Memory::connect(endpoint_in(folder), {.timeout = seconds(30)});
   if (!memory.ok()) return {memory.status().to_string()};
   std::map<std::string, Executions> executions;
   std::set<std::string> answered;
@@ -214,8 +214,6 @@ int kill_all(int kills, unsigned seed) {
   // What ran at the last kill ends when the memory is opened again.
   Process& server = processes.front();
   server.start();
-  std::this_thread::sleep_for(seconds(5));
-  server.kill();
   const auto wrong = check_robot(folder.path(), counts);
   for (const auto& [what, count] : counts) fmt::print("{}: {}\n", what, count);
   for (size_t i = 0; i < wrong.size() && i < 20; ++i) fmt::print("wrong: {}\n", wrong[i]);
