@@ -19,9 +19,8 @@ using idf::Type;
 Result<Type> parameter_type(const ConfigValue& value, const idf::Quantity& quantity) {
   ENGRAM_ASSIGN_OR_RETURN(const std::string word, value.text());
   if (word == "bool") return Type::boolean();
-  if (word == "int") return Type::int32(quantity);
-  if (word == "long") return Type::int64(quantity);
-  if (word == "float") return Type::float32(quantity);
+  // Of 64 bits, which JSON writes as plain numbers.
+  if (word == "int") return Type::int64(quantity);
   if (word == "double") return Type::float64(quantity);
   if (word == "string") return Type::string();
   if (word == "time") return Type::time();
@@ -30,7 +29,7 @@ Result<Type> parameter_type(const ConfigValue& value, const idf::Quantity& quant
   if (word == "pose") return Type::pose(ElementType::kFloat64);
   if (word == "numbers") return Type::ndarray(ElementType::kFloat64, {idf::kFreeSize}, quantity);
   return value.error(
-      fmt::format("found '{}', needs one of bool, int, long, float, double, string, time, link, "
+      fmt::format("found '{}', needs one of bool, int, double, string, time, link, "
                   "position, pose, numbers",
                   word));
 }
@@ -59,9 +58,7 @@ Data with_arrays(const Data& given, const Type& type) {
 
 /// An integer where a float is needed: JSON writes 1 for 1.0.
 Data with_float(const Data& given, const Type& type) {
-  const bool needs_float =
-      type.kind() == idf::TypeKind::kDouble || type.kind() == idf::TypeKind::kFloat;
-  if (needs_float && !given.is<bool>())
+  if (type.kind() == idf::TypeKind::kDouble && !given.is<bool>())
     if (const auto number = given.as_number()) return *number;
   return given;
 }

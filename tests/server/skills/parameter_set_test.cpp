@@ -33,7 +33,7 @@ TEST(ParameterSet, FillsInDefaultsAndMakesArraysOfLists) {
   const auto values = fitted(R"({"to": [1, 2.5, 0], "speed": 1})");
   ASSERT_OK(values);
   EXPECT_EQ(*values->at("speed"), idf::Data(1.0));
-  EXPECT_EQ(*values->at("times"), idf::Data(int32_t{1}));
+  EXPECT_EQ(*values->at("times"), idf::Data(int64_t{1}));
   EXPECT_EQ(*values->at("hand"), idf::Data("right"));
   EXPECT_EQ(*values->at("to"), idf::Data(idf::NdArray::take({3}, std::vector<double>{1, 2.5, 0})));
   const auto skill = SkillDescription::parse(kDrive);
