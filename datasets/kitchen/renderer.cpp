@@ -52,6 +52,12 @@ Pinhole Pinhole::of(const DrawingSize& size) {
           .centre_y = 0.5 * size.height - 0.5};
 }
 
+bool Pinhole::shows(const Eigen::Vector3d& point_m, const DrawingSize& size) const {
+  if (point_m.z() <= 0) return false;
+  const Eigen::Vector2d at = project(point_m);
+  return at.x() >= 0 && at.y() >= 0 && at.x() <= size.width - 1 && at.y() <= size.height - 1;
+}
+
 struct Renderer::Parts {
   ~Parts() {
     mjr_freeContext(&context);

@@ -27,6 +27,9 @@ struct Pinhole {
     return {focal * point_m.x() / point_m.z() + centre_x,
             focal * point_m.y() / point_m.z() + centre_y};
   }
+
+  /// Returns true if a point is in front of the camera and within its image. Frame: camera.
+  [[nodiscard]] bool shows(const Eigen::Vector3d& point_m, const DrawingSize& size) const;
 };
 
 /// The images of both cameras at one time.

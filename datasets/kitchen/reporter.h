@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "datasets/kitchen/facts.h"
 #include "datasets/kitchen/kitchen.h"
 #include "datasets/kitchen/kitchen_types.h"
 #include "datasets/kitchen/renderer.h"
@@ -50,6 +51,7 @@ class Reporter {
   void add_images(uint64_t sample);
   void add_objects(uint64_t sample);
   void add_robot(uint64_t sample);
+  static facts::Links links_at(Time time);
 
   KitchenOptions options_;
   DrawingSize size_;

@@ -4,12 +4,16 @@
 // Private to this room: the dimensions and joints of the humanoid.
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace engram::datasets::kitchen {
+
+/// The pose of a part transforms its coordinates to world coordinates.
+using Pose = Eigen::Isometry3d;
 
 /// Unit: m. Frame: the parent of each part.
 inline constexpr double kTorso_z_m = 0.85;

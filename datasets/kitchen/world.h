@@ -35,9 +35,6 @@ struct Motion {
   RobotVector acceleration = RobotVector::Zero();
 };
 
-/// The pose of a part transforms its coordinates to world coordinates.
-using Pose = Eigen::Isometry3d;
-
 [[nodiscard]] Pose pose_of(const mjData& data, int body);
 
 /// The physics of the room, the robot and the things of one layout.
