@@ -34,6 +34,9 @@ struct Layout {
   Lighting light;
   double wood_tone = 0;   ///< From -1, dark, to 1, light.
   int cupboard_tone = 0;  ///< 0 to 2.
+  /// A chair and a person can come into the room. They are no part of a batch recording, whose
+  /// bytes must stay as they are.
+  bool has_movables = false;
 };
 
 [[nodiscard]] Layout make_layout(uint64_t seed);

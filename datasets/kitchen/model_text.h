@@ -38,6 +38,9 @@ void add_robot(ModelText& text);
 /// Adds objects, and constraints "left:NAME" and "right:NAME" that fix them to a hand.
 void add_things(const Layout& layout, ModelText& text);
 
+/// Adds a chair and a person, outside of the room.
+void add_movables(ModelText& text);
+
 /// The size and quality of the pictures to draw. Unit: pixels.
 struct DrawingSize {
   int width = 640;

@@ -104,6 +104,30 @@ std::span<const ThingClass> all_thing_classes() {
   return kClasses;
 }
 
+std::span<const ThingClass> movable_classes() {
+  // A person is a column, so that it needs no heading to be in the way.
+  static const std::array<ThingClass, 2> kClasses{{
+      {"chair", "chair", Shape::kBox, {0.44, 0.44, 0.90}, 5.0, 0, {150, 104, 62}, {60, 40, 24}, ""},
+      {"person",
+       "person",
+       Shape::kCan,
+       {0.46, 0.46, 1.74},
+       70.0,
+       0,
+       {58, 74, 120},
+       {222, 184, 156},
+       ""},
+  }};
+  return kClasses;
+}
+
+const ThingClass* class_named(std::string_view name) {
+  for (const std::span<const ThingClass> all : {all_thing_classes(), movable_classes()})
+    for (const ThingClass& type : all)
+      if (type.name == name) return &type;
+  return nullptr;
+}
+
 // The rows must stay free of the room's furniture (room_model.cpp). The counter's is shifted so
 // that it lies between the sink and the stove, and the table's lies before the cloth.
 const SurfacePlace& place_of(Surface surface) {
@@ -120,6 +144,19 @@ Eigen::Vector3d ahead(const SurfacePlace& place) {
 
 Eigen::Vector3d leftward(const SurfacePlace& place) {
   return {-std::sin(place.heading_rad), std::cos(place.heading_rad), 0};
+}
+
+std::optional<Surface> surface_below(const Eigen::Vector3d& point) {
+  constexpr double kBesideSurface_m = 0.1;
+  for (const Surface surface : {Surface::kCounter, Surface::kTable}) {
+    const SurfacePlace& place = place_of(surface);
+    const Eigen::Vector3d from = point - place.top_m;
+    if (std::abs(from.dot(ahead(place))) < 0.5 * place.depth_m + kBesideSurface_m &&
+        std::abs(from.dot(leftward(place))) < 0.5 * place.width_m + kBesideSurface_m &&
+        from.z() > 0)
+      return surface;
+  }
+  return std::nullopt;
 }
 
 Eigen::Vector3d slot_point(Surface surface, int slot) {

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -27,6 +28,13 @@ struct ThingClass {
 
 /// Returns all kinds. A recording has some of them, and at most one object of each.
 [[nodiscard]] std::span<const ThingClass> all_thing_classes();
+
+/// Returns what can be moved about in a live kitchen: a chair and a person, in this order. Nobody
+/// grasps them.
+[[nodiscard]] std::span<const ThingClass> movable_classes();
+
+/// Returns the kind of this name, movable or not; null if there is none.
+[[nodiscard]] const ThingClass* class_named(std::string_view name);
 
 /// A surface that things stand on. The x axis of its frame points away from a person in front of
 /// it.
@@ -54,6 +62,10 @@ inline constexpr double kSlotDistance_m = 0.21;
 
 /// Returns the point of the top at which a thing in a slot stands. Frame: world.
 [[nodiscard]] Eigen::Vector3d slot_point(Surface surface, int slot);
+
+/// Returns the surface that a point is above or at most 10 cm beside; empty if there is none.
+/// Frame: world.
+[[nodiscard]] std::optional<Surface> surface_below(const Eigen::Vector3d& point);
 
 /// Return unit vectors. Frame: world.
 [[nodiscard]] Eigen::Vector3d ahead(const SurfacePlace& place);

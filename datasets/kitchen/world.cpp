@@ -17,6 +17,15 @@ Eigen::Vector3d vector(const mjtNum* from) {
   return {from[0], from[1], from[2]};
 }
 
+void write_pose(const Pose& pose, mjtNum* position, mjtNum* turn) {
+  const Eigen::Quaterniond rotation(pose.linear());
+  for (int i = 0; i < 3; ++i) position[i] = pose.translation()[i];
+  turn[0] = rotation.w();
+  turn[1] = rotation.x();
+  turn[2] = rotation.y();
+  turn[3] = rotation.z();
+}
+
 Pose pose(const mjtNum* position, const mjtNum* rotation) {
   Pose result = Pose::Identity();
   result.translation() = vector(position);
@@ -76,6 +85,7 @@ Result<World> World::create(const Layout& layout, const DrawingSize& size) {
     add_room(layout, text);
     add_robot(text);
     add_things(layout, text);
+    if (layout.has_movables) add_movables(text);
   } catch (const cv::Exception& error) {
     return resource_exhausted("kitchen: cannot paint: {}", error.what());
   }
@@ -94,6 +104,9 @@ Result<World> World::create(const Layout& layout, const DrawingSize& size) {
   }
   for (const Thing& thing : layout.things)
     world.bodies_.push_back(mj_name2id(model, mjOBJ_BODY, std::string(thing.type->name).c_str()));
+  if (layout.has_movables)
+    for (const ThingClass& type : movable_classes())
+      world.movables_.push_back(mj_name2id(model, mjOBJ_BODY, std::string(type.name).c_str()));
   world.torques_.resize(static_cast<size_t>(model->nv));
   world.accelerations_.resize(static_cast<size_t>(model->nv));
   world.place_robot(resting_pose());
@@ -162,6 +175,54 @@ Pose World::thing_pose(size_t thing) const {
   return pose_of(*data_, bodies_.at(thing));
 }
 
+Pose World::movable_pose(size_t movable) const {
+  return pose_of(*data_, movables_.at(movable));
+}
+
+void World::place_movable(size_t movable, const Pose& at) {
+  const int id = model_->body_mocapid[movables_.at(movable)];
+  write_pose(at, data_->mocap_pos + 3 * id, data_->mocap_quat + 4 * id);
+}
+
+void World::place_thing(size_t thing, const Pose& at) {
+  const int joint = model_->body_jntadr[bodies_.at(thing)];
+  mjtNum* to = data_->qpos + model_->jnt_qposadr[joint];
+  write_pose(at, to, to + 3);
+  std::fill_n(data_->qvel + model_->jnt_dofadr[joint], 6, 0);
+}
+
+Result<World> World::twin() const {
+  World twin;
+  twin.layout_ = layout_;
+  twin.model_.reset(mj_copyModel(nullptr, model_.get()));
+  if (twin.model_ != nullptr) twin.data_.reset(mj_makeData(twin.model_.get()));
+  if (twin.data_ == nullptr) return resource_exhausted("kitchen: no memory for a second world");
+  twin.dofs_ = dofs_;
+  twin.bodies_ = bodies_;
+  twin.movables_ = movables_;
+  twin.torques_.resize(torques_.size());
+  twin.accelerations_.resize(accelerations_.size());
+  return twin;
+}
+
+std::vector<double> World::coordinates() const {
+  const auto moved = static_cast<size_t>(model_->nmocap);
+  std::vector<double> all(data_->qpos, data_->qpos + model_->nq);
+  all.insert(all.end(), data_->mocap_pos, data_->mocap_pos + 3 * moved);
+  all.insert(all.end(), data_->mocap_quat, data_->mocap_quat + 4 * moved);
+  return all;
+}
+
+void World::set_coordinates(const std::vector<double>& all) {
+  const auto own = static_cast<size_t>(model_->nq);
+  const auto moved = static_cast<size_t>(model_->nmocap);
+  ENGRAM_CHECK(all.size() == own + 7 * moved, "{} coordinates", all.size());
+  std::copy_n(all.data(), own, data_->qpos);
+  std::copy_n(all.data() + own, 3 * moved, data_->mocap_pos);
+  std::copy_n(all.data() + own + 3 * moved, 4 * moved, data_->mocap_quat);
+  refresh();
+}
+
 Pose World::hand_pose(Side side) const {
   return body_pose(std::string(to_string(side)) + "_hand");
 }
@@ -185,15 +246,10 @@ int World::weld(Side side, size_t thing) const {
 
 void World::hold(Side side, size_t thing) {
   const Pose pose_hand_thing = hand_pose(side).inverse() * thing_pose(thing);
-  const Eigen::Quaterniond turn(pose_hand_thing.linear());
   const int id = weld(side, thing);
   mjtNum* numbers = model_->eq_data + mjNEQDATA * id;
   std::fill(numbers, numbers + 3, 0);  // The anchor is the middle of the thing.
-  for (int i = 0; i < 3; ++i) numbers[3 + i] = pose_hand_thing.translation()[i];
-  numbers[6] = turn.w();
-  numbers[7] = turn.x();
-  numbers[8] = turn.y();
-  numbers[9] = turn.z();
+  write_pose(pose_hand_thing, numbers + 3, numbers + 6);
   model_->eq_active[id] = 1;
   held_[index(side)] = thing;
 }
@@ -206,15 +262,23 @@ void World::release(Side side) {
 }
 
 bool World::is_in_sight(size_t thing) const {
+  return is_body_in_sight(bodies_.at(thing));
+}
+
+bool World::is_movable_in_sight(size_t movable) const {
+  return is_body_in_sight(movables_.at(movable));
+}
+
+bool World::is_body_in_sight(int body) const {
   const Pose eye = camera_pose(Side::kLeft);
-  const Eigen::Vector3d to = thing_pose(thing).translation() - eye.translation();
+  const Eigen::Vector3d to = pose_of(*data_, body).translation() - eye.translation();
   const double distance = to.norm();
   // The ray tests only geoms that can collide (group 3), so the robot itself does not block it.
   constexpr std::array<mjtByte, mjNGROUP> kSolid{0, 0, 0, 1, 0, 0};
   int geom = -1;
   const double hit = mj_ray(model_.get(), data_.get(), eye.translation().data(), to.data(),
                             kSolid.data(), 1, -1, &geom);
-  return geom >= 0 && hit <= 1 && distance > 0 && model_->geom_bodyid[geom] == bodies_.at(thing);
+  return geom >= 0 && hit <= 1 && distance > 0 && model_->geom_bodyid[geom] == body;
 }
 
 }  // namespace engram::datasets::kitchen

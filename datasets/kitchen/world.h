@@ -62,6 +62,8 @@ class World {
 
   [[nodiscard]] Pose body_pose(const std::string& name) const;
   [[nodiscard]] Pose thing_pose(size_t thing) const;
+  /// The chair or the person: an index of movable_classes(). The layout must have them.
+  [[nodiscard]] Pose movable_pose(size_t movable) const;
   [[nodiscard]] Pose hand_pose(Side side) const;
   /// Frame: x right, y down, z forward.
   [[nodiscard]] Pose camera_pose(Side side) const;
@@ -71,9 +73,22 @@ class World {
   void release(Side side);
   [[nodiscard]] std::optional<size_t> held(Side side) const { return held_[index(side)]; }
 
+  /// Moves a thing, which then rests, or the chair or the person immediately. Poses of parts follow
+  /// with the next step() or refresh().
+  void place_thing(size_t thing, const Pose& at);
+  void place_movable(size_t movable, const Pose& at);
+
+  /// Returns a world of the same model, so that one can be drawn while the other moves.
+  /// Errors: kResourceExhausted.
+  [[nodiscard]] Result<World> twin() const;
+  /// Where everything is. A twin that gets these looks the same.
+  [[nodiscard]] std::vector<double> coordinates() const;
+  void set_coordinates(const std::vector<double>& all);
+
   /// Returns true if nothing but the robot's arms is between the left camera and the middle of a
   /// thing.
   [[nodiscard]] bool is_in_sight(size_t thing) const;
+  [[nodiscard]] bool is_movable_in_sight(size_t movable) const;
 
   /// The index in MuJoCo's vectors of a joint of a RobotVector, and the joint's range, which is
   /// unlimited for the platform.
@@ -91,12 +106,14 @@ class World {
 
   static size_t index(Side side) { return side == Side::kLeft ? 0 : 1; }
   [[nodiscard]] int weld(Side side, size_t thing) const;
+  [[nodiscard]] bool is_body_in_sight(int body) const;
 
   Layout layout_;
   Model model_;
   State data_;
   std::array<int, kRobotJoints> dofs_{};       ///< Indices of RobotVector in qvel and qpos.
   std::vector<int> bodies_;                    ///< The bodies of the things.
+  std::vector<int> movables_;                  ///< The bodies of movable_classes().
   std::array<std::optional<size_t>, 2> held_;  ///< The thing in each hand, by side.
   std::vector<mjtNum> torques_;
   std::vector<mjtNum> accelerations_;
