@@ -100,19 +100,14 @@ Status Episode::rest_arm(Side side, double seconds) {
 
 Status Episode::run() {
   const SurfacePlace& table = place_of(Surface::kTable);
-  RobotVector pose = resting_pose();
-  pose.head<kPlatformJoints>() =
-      standing_at(slot_point(Surface::kCounter, 2), Surface::kCounter, 0);
-  pose.head<2>() += Eigen::Vector2d(-0.25, -0.25);
-  pose[2] = 0.75 * std::numbers::pi;
+  RobotVector pose = starting_pose();
   gaze_.point = table.top_m;
   const auto [yaw, pitch] = kinematics_.look_at(pose, gaze_.point);
   pose[joint_index("neck_yaw")] = yaw;
   pose[joint_index("neck_pitch")] = pitch;
   trajectory_ = Trajectory(pose);
   world_.place_robot(pose);
-  // Things start 1 mm above their surface and need time to settle.
-  for (int i = 0; i < 200; ++i) world_.step(trajectory_.at(0));
+  for (int i = 0; i < kSettlingSteps; ++i) world_.step(trajectory_.at(0));
   world_.refresh();
   reporter_.report_prior(world_.layout());
   ENGRAM_RETURN_IF_ERROR(wait(0.5));

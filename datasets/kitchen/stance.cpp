@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace engram::datasets::kitchen {
 
@@ -17,6 +18,15 @@ constexpr double kMinCarry_z_m = 1.02;
 constexpr double kUpright = 0.95;  ///< Minimum z component of the thing's z axis.
 
 }  // namespace
+
+RobotVector starting_pose() {
+  RobotVector pose = resting_pose();
+  pose.head<kPlatformJoints>() =
+      standing_at(slot_point(Surface::kCounter, 2), Surface::kCounter, 0);
+  pose.head<2>() += Eigen::Vector2d(-0.25, -0.25);
+  pose[2] = 0.75 * std::numbers::pi;
+  return pose;
+}
 
 Eigen::Vector3d standing_at(const Eigen::Vector3d& point, Surface surface, double left_m) {
   const SurfacePlace& place = place_of(surface);

@@ -10,6 +10,12 @@ namespace engram::datasets::kitchen {
 /// The maximum distance of a hand from its grasp at which it holds something.
 inline constexpr double kHoldsWithin_m = 0.03;
 
+/// Things start 1 mm above their surface; after so many steps of the world they rest.
+inline constexpr int kSettlingSteps = 200;
+
+/// Returns where the robot begins: before the counter, half turned to the table.
+[[nodiscard]] RobotVector starting_pose();
+
 /// Returns the platform's (x, y, heading) in front of a surface, with a point of the surface
 /// `left_m` to its left.
 [[nodiscard]] Eigen::Vector3d standing_at(const Eigen::Vector3d& point, Surface surface,

@@ -6,6 +6,7 @@ namespace engram::datasets::kitchen {
 namespace {
 
 constexpr double kStop_s = 0.4;
+constexpr double kRun_s = 0.02;
 
 }  // namespace
 
@@ -38,11 +39,20 @@ void Trajectory::move(int joint, double to, double now_s, double duration_s) {
              .goal = to};
 }
 
+void Trajectory::run(int joint, double from, double velocity, double now_s) {
+  segments_.at(static_cast<size_t>(joint)) = {.start_s = now_s,
+                                              .duration_s = kRun_s,
+                                              .c = {from, velocity, 0, 0, 0, 0},
+                                              .goal = from + velocity * kRun_s};
+}
+
 void Trajectory::stop(double now_s) {
-  for (int i = 0; i < kRobotJoints; ++i) {
-    const auto [p, v, a] = at(segments_[static_cast<size_t>(i)], now_s);
-    move(i, p + 0.5 * kStop_s * v, now_s, kStop_s);
-  }
+  for (int i = 0; i < kRobotJoints; ++i) stop(i, now_s);
+}
+
+void Trajectory::stop(int joint, double now_s) {
+  const auto [p, v, a] = at(segments_.at(static_cast<size_t>(joint)), now_s);
+  move(joint, p + 0.5 * kStop_s * v, now_s, kStop_s);
 }
 
 Motion Trajectory::at(double time_s) const {

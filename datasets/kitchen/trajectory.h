@@ -22,8 +22,14 @@ class Trajectory {
   /// Moves a joint, from `now_s` on, to rest at `to` within `duration_s` > 0.
   void move(int joint, double to, double now_s, double duration_s);
 
+  /// Lets a joint move with a velocity, for 20 ms; then it would jump to rest, so whoever drives by
+  /// velocities calls this again before.
+  void run(int joint, double from, double velocity, double now_s);
+
   /// Brings all joints to rest soon, near the positions that they would have reached.
   void stop(double now_s);
+  /// The same of one joint.
+  void stop(int joint, double now_s);
 
   [[nodiscard]] Motion at(double time_s) const;
 
