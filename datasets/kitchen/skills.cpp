@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "datasets/kitchen/skills.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "datasets/kitchen/kinematics.h"
+#include "datasets/kitchen/movable_places.h"
+#include "datasets/kitchen/poke.h"
+#include "datasets/kitchen/stance.h"
+
+namespace engram::datasets::kitchen {
+
+namespace {
+
+constexpr double kDriveSpeed_m_s = 0.45;
+constexpr double kDriveTurn_rad_s = 0.55;
+constexpr double kBesideRobot_m = 0.19;  ///< From the middle of the robot to what a hand takes.
+constexpr double kAheadOfRobot_m = 0.62;
+constexpr double kRaise_m = 0.14;
+constexpr double kRaised_m = 0.08;
+constexpr double kStandsWithin_m = 0.04;
+constexpr double kArrivesWithin_m = 0.03;
+constexpr double kRest_s = 0.4;  ///< StopAll takes so long.
+constexpr double kMinSkillSpeed = 0.2;
+constexpr double kMaxSkillSpeed = 2;
+
+SkillResult ended(bool is_success, std::string reason, std::map<std::string, double> measured) {
+  return {is_success ? SkillEnd::kSuccess : SkillEnd::kFailure, std::move(reason),
+          std::move(measured)};
+}
+
+}  // namespace
+
+Result<SkillResult> KitchenSkills::run(Skill skill, const SkillRequest& request,
+                                       const std::stop_token& stop) {
+  if (!(request.speed >= kMinSkillSpeed) || request.speed > kMaxSkillSpeed)
+    return invalid_argument("skill: speed {}, needs {} to {}", request.speed, kMinSkillSpeed,
+                            kMaxSkillSpeed);
+  stop_ = stop;
+  speed_ = request.speed;
+  ENGRAM_RETURN_IF_ERROR(refresh());
+  auto result = (this->*skill)(request);
+  if (result.ok() || !stop.stop_requested()) return result;
+  if (result.status().code() != StatusCode::kCancelled) return result;
+  // The stop interrupted a wait. What was commanded before would go on.
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double none, tell(StopAll{}));
+  stop_ = {};
+  speed_ = 1;
+  ENGRAM_RETURN_IF_ERROR(wait(kRest_s));
+  return SkillResult{SkillEnd::kStop, "told to stop", {{"rest_s", kRest_s}}};
+}
+
+Result<SkillResult> KitchenSkills::look(const SkillRequest& request, const std::stop_token& stop) {
+  return run(&KitchenSkills::do_look, request, stop);
+}
+Result<SkillResult> KitchenSkills::navigate(const SkillRequest& request,
+                                            const std::stop_token& stop) {
+  return run(&KitchenSkills::do_navigate, request, stop);
+}
+Result<SkillResult> KitchenSkills::pick(const SkillRequest& request, const std::stop_token& stop) {
+  return run(&KitchenSkills::do_pick, request, stop);
+}
+Result<SkillResult> KitchenSkills::place(const SkillRequest& request, const std::stop_token& stop) {
+  return run(&KitchenSkills::do_place, request, stop);
+}
+
+Status KitchenSkills::refresh() {
+  ENGRAM_ASSIGN_OR_RETURN(const auto states, bus_.wait(0, {}));
+  if (states.empty()) return unavailable("skill: the body told no state");
+  state_ = states.back();
+  return {};
+}
+
+Status KitchenSkills::wait(double seconds) {
+  return wait_while(seconds, [] { return true; });
+}
+
+Status KitchenSkills::wait_unless_blocked(double seconds) {
+  return wait_while(seconds, [this] { return state_.blocked_by.empty(); });
+}
+
+Status KitchenSkills::wait_while(double seconds, const std::function<bool()>& goes_on) {
+  const auto samples =
+      static_cast<uint64_t>(std::max(1.0, std::ceil(seconds / speed_ * RobotBus::kRate_hz - 1e-9)));
+  const uint64_t until = state_.sample + samples;
+  while (state_.sample < until) {
+    if (stop_.stop_requested()) return cancelled("told to stop");
+    ENGRAM_ASSIGN_OR_RETURN(const auto states, bus_.wait(state_.sample + 1, stop_));
+    if (states.empty()) return unavailable("skill: the body told no state");
+    state_ = states.back();
+    if (!goes_on()) return {};
+  }
+  return {};
+}
+
+Result<KitchenSkills::Known> KitchenSkills::find(const std::string& name) const {
+  std::string there;
+  for (const SensedObject& object : state_.objects) {
+    const ThingClass* type = class_named(object.name);
+    if (type == nullptr) continue;
+    if (is_called(*type, name)) return Known{type, object};
+    there += (there.empty() ? "" : ", ") + std::string(type->spoken_name);
+  }
+  return not_found("the kitchen has no '{}'; it has {}", name, there);
+}
+
+const SensedObject* KitchenSkills::held(Side side) const {
+  const auto found = std::ranges::find(state_.objects, to_string(side), &SensedObject::held_by);
+  return found == state_.objects.end() ? nullptr : &*found;
+}
+
+Result<Eigen::Vector3d> KitchenSkills::free_point(const SkillRequest& request,
+                                                  const std::string& but) const {
+  const SurfacePlace& surface = place_of(*request.surface);
+  if (request.place)
+    return Eigen::Vector3d(request.place->x(), request.place->y(), surface.top_m.z());
+  // The nearest to where the hand puts things, so that the place is the same before and after the
+  // robot drove to it.
+  const Eigen::Rotation2Dd turn(state_.positions[2]);
+  const Eigen::Vector2d reach =
+      state_.positions.head<2>() +
+      turn * Eigen::Vector2d(kAheadOfRobot_m, sign_of(request.hand) * kBesideRobot_m);
+  std::optional<Eigen::Vector3d> best;
+  for (int slot = 0; slot < kSlots; ++slot) {
+    const Eigen::Vector3d point = slot_point(*request.surface, slot);
+    const bool is_taken = std::ranges::any_of(state_.objects, [&](const SensedObject& object) {
+      return object.name != but &&
+             (object.pose.translation() - point).head<2>().norm() < 0.8 * kSlotDistance_m;
+    });
+    if (is_taken) continue;
+    if (!best || (point.head<2>() - reach).norm() < (best->head<2>() - reach).norm()) best = point;
+  }
+  if (!best) return failed_precondition("all places on {} are taken", surface.spoken_name);
+  return *best;
+}
+
+Result<double> KitchenSkills::move_hand(Side side, const Pose& to, double seconds) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      const double short_m,
+      tell(MoveHand{.hand = side, .pose_world_hand = to, .seconds = seconds / speed_}));
+  ENGRAM_RETURN_IF_ERROR(wait(seconds));
+  return short_m;
+}
+
+Status KitchenSkills::open_and_draw_back(Side side) {
+  ENGRAM_ASSIGN_OR_RETURN(
+      [[maybe_unused]] const double opened,
+      tell(MoveJoints{.joints = hand_joints(side), .to = open_hand(), .seconds = 0.5 / speed_}));
+  ENGRAM_RETURN_IF_ERROR(wait(0.5));
+  return move_hand(side, before(hand_pose(side), side), 0.8).status();
+}
+
+Status KitchenSkills::rest_arm(Side side) {
+  constexpr double kTime_s = 1.2;
+  const RobotVector rest = resting_pose();
+  MoveJoints move{.joints = arm_joints(side), .to = {}, .seconds = kTime_s / speed_};
+  for (const int joint : hand_joints(side)) move.joints.push_back(joint);
+  for (const char* name : {"torso_lift", "torso_pitch", "torso_yaw"})
+    move.joints.push_back(joint_index(name));
+  for (const int joint : move.joints) move.to.push_back(rest[joint]);
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double none, tell(move));
+  return wait(kTime_s);
+}
+
+Result<SkillResult> KitchenSkills::do_look(const SkillRequest& request) {
+  LookAt look{.object = {}, .point = {0, 0, 0}};
+  if (!request.object.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Known object, find(request.object));
+    look.object = object.type->name;
+  } else if (request.surface) {
+    look.point = place_of(*request.surface).top_m;
+  } else {
+    return invalid_argument("look: needs an object or a surface");
+  }
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double none, tell(look));
+  ENGRAM_RETURN_IF_ERROR(wait(0.8));
+  if (look.object.empty()) return ended(true, "looks there", {});
+  ENGRAM_ASSIGN_OR_RETURN(const Known object, find(look.object));
+  const bool is_seen = object.sensed.is_visible;
+  return ended(is_seen, is_seen ? "in sight" : "something stands before it", {});
+}
+
+Result<SkillResult> KitchenSkills::do_navigate(const SkillRequest& request) {
+  const SensedObject* carried = held(request.hand);
+  Eigen::Vector3d goal{0, 0, 0};
+  Eigen::Vector3d seen{0, 0, 0};
+  const double left_m = sign_of(request.hand) * kBesideRobot_m;
+  if (request.surface) {
+    seen = place_of(*request.surface).top_m;
+    if (carried != nullptr) {
+      ENGRAM_ASSIGN_OR_RETURN(seen, free_point(request, carried->name));
+    }
+    goal = standing_at(seen, *request.surface, carried != nullptr ? left_m : 0);
+  } else if (request.place) {
+    goal = *request.place;
+    seen = goal + Eigen::Vector3d(std::cos(goal.z()), std::sin(goal.z()), 0);
+    seen.z() = 0.8;
+  } else if (!request.object.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(const Known object, find(request.object));
+    seen = object.sensed.pose.translation();
+    const auto surface = surface_below(seen);
+    if (!surface)
+      return ended(false,
+                   fmt::format("the {} stands on no surface that the robot drives to",
+                               object.type->spoken_name),
+                   {});
+    goal = standing_at(seen, *surface, left_m);
+  } else {
+    return invalid_argument("navigate: needs an object, a surface or a place");
+  }
+  const RobotVector now = state_.positions;
+  goal[2] = now[2] + std::remainder(goal[2] - now[2], 2 * std::numbers::pi);
+  const double way_m = (goal - now.head<3>()).head<2>().norm();
+  const double turn_rad = std::abs(goal[2] - now[2]);
+  const double seconds = std::max({0.5, way_m / kDriveSpeed_m_s, turn_rad / kDriveTurn_rad_s});
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double looked,
+                          tell(LookAt{.object = {}, .point = seen}));
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double drives,
+                          tell(DriveTo{.pose = goal, .seconds = seconds / speed_}));
+  ENGRAM_RETURN_IF_ERROR(wait_unless_blocked(seconds + 0.05));
+  const std::string blocked_by = state_.blocked_by;
+  if (!blocked_by.empty()) ENGRAM_RETURN_IF_ERROR(wait(kRest_s));
+  const double error_m = (state_.positions.head<2>() - goal.head<2>()).norm();
+  if (!blocked_by.empty())
+    return ended(false,
+                 fmt::format("the {} stands in the way, {:.3f} m from where it was to be",
+                             blocked_by, error_m),
+                 {{"error_m", error_m}, {"way_m", way_m}});
+  return ended(error_m < kArrivesWithin_m, fmt::format("{:.3f} m from where it was to be", error_m),
+               {{"error_m", error_m}, {"way_m", way_m}});
+}
+
+Result<SkillResult> KitchenSkills::do_pick(const SkillRequest& request) {
+  if (request.object.empty()) return invalid_argument("pick: needs an object");
+  ENGRAM_ASSIGN_OR_RETURN(const Known object, find(request.object));
+  const Side side = request.hand;
+  if (object.type->grasp_height_m == 0)
+    return invalid_argument("pick: the {} is nothing that a hand holds", object.type->spoken_name);
+  if (const SensedObject* carried = held(side); carried != nullptr)
+    return ended(false, fmt::format("the {} hand holds the {}", to_string(side), carried->name),
+                 {});
+  const Pose thing = object.sensed.pose;
+  const auto surface = surface_below(thing.translation());
+  const double heading = surface ? place_of(*surface).heading_rad : state_.positions[2];
+  const Grasp grasp = grasp_of(*object.type, thing, side, heading);
+  const Pose at = thing * grasp.pose_thing_hand;
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double looked,
+                          tell(LookAt{.object = object.sensed.name, .point = {0, 0, 0}}));
+  ENGRAM_RETURN_IF_ERROR(move_hand(side, before(at, side), 1.5).status());
+  ENGRAM_ASSIGN_OR_RETURN(const double short_m, move_hand(side, at, 0.9));
+  if (short_m > kHoldsWithin_m) {
+    ENGRAM_RETURN_IF_ERROR(rest_arm(side));
+    return ended(false,
+                 fmt::format("the {} is {:.3f} m out of reach of the {} hand",
+                             object.type->spoken_name, short_m, to_string(side)),
+                 {{"out_of_reach_m", short_m}});
+  }
+  ENGRAM_ASSIGN_OR_RETURN(
+      [[maybe_unused]] const double closed,
+      tell(MoveJoints{
+          .joints = hand_joints(side), .to = hand_around(grasp.width_m), .seconds = 0.5 / speed_}));
+  ENGRAM_RETURN_IF_ERROR(wait(0.55));
+  ENGRAM_ASSIGN_OR_RETURN(const double away_m,
+                          tell(Hold{.hand = side,
+                                    .object = object.sensed.name,
+                                    .grasp_object = grasp.pose_thing_hand.translation()}));
+  Pose up = at;
+  up.translation().z() += kRaise_m;
+  ENGRAM_RETURN_IF_ERROR(move_hand(side, up, 1.0).status());
+  ENGRAM_ASSIGN_OR_RETURN(const Known now, find(object.sensed.name));
+  const double lifted_m = now.sensed.pose.translation().z() - thing.translation().z();
+  const bool has_it = now.sensed.held_by == to_string(side) && lifted_m > kRaised_m;
+  const std::map<std::string, double> measured{{"lifted_m", lifted_m}, {"away_m", away_m}};
+  if (!has_it) {
+    ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double let_go, tell(Release{side}));
+    ENGRAM_RETURN_IF_ERROR(open_and_draw_back(side));
+    return ended(false,
+                 away_m < kHoldsWithin_m
+                     ? fmt::format("lifted {:.3f} m", lifted_m)
+                     : fmt::format("the hand closed {:.3f} m away from its grasp", away_m),
+                 measured);
+  }
+  ENGRAM_RETURN_IF_ERROR(
+      move_hand(side, carrying_pose(state_.positions, side, hand_pose(side)), 1.2).status());
+  return ended(true, fmt::format("lifted {:.3f} m", lifted_m), measured);
+}
+
+Result<SkillResult> KitchenSkills::do_place(const SkillRequest& request) {
+  if (!request.surface) return invalid_argument("place: needs a surface");
+  const Side side = request.hand;
+  const SensedObject* carried = held(side);
+  if (carried == nullptr)
+    return ended(false, fmt::format("the {} hand holds nothing", to_string(side)), {});
+  ENGRAM_ASSIGN_OR_RETURN(const Known object, find(carried->name));
+  if (!request.object.empty() && !is_called(*object.type, request.object))
+    return ended(false,
+                 fmt::format("the {} hand holds the {}, not the {}", to_string(side),
+                             object.type->spoken_name, request.object),
+                 {});
+  const auto foot = free_point(request, object.sensed.name);
+  if (!foot.ok()) return ended(false, foot.status().message(), {});
+  const Pose pose_thing_hand = object.sensed.pose.inverse() * hand_pose(side);
+  const Pose goal =
+      standing_thing(*foot, *object.type, pose_thing_hand, place_of(*request.surface).heading_rad);
+  const Pose at = goal * pose_thing_hand;
+  Pose above = at;
+  above.translation().z() += kRaise_m;
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double looked,
+                          tell(LookAt{.object = object.sensed.name, .point = {0, 0, 0}}));
+  ENGRAM_RETURN_IF_ERROR(move_hand(side, above, 1.4).status());
+  ENGRAM_ASSIGN_OR_RETURN(const double short_m, move_hand(side, at, 1.0));
+  if (short_m > kStandsWithin_m) {
+    ENGRAM_RETURN_IF_ERROR(
+        move_hand(side, carrying_pose(state_.positions, side, hand_pose(side)), 1.2).status());
+    return ended(
+        false,
+        fmt::format("its place is {:.3f} m out of reach of the {} hand", short_m, to_string(side)),
+        {{"out_of_reach_m", short_m}});
+  }
+  ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double let_go, tell(Release{side}));
+  ENGRAM_RETURN_IF_ERROR(open_and_draw_back(side));
+  ENGRAM_ASSIGN_OR_RETURN(const Known now, find(object.sensed.name));
+  const double away_m = (now.sensed.pose.translation() - goal.translation()).norm();
+  const bool is_up = is_upright(now.sensed.pose);
+  ENGRAM_RETURN_IF_ERROR(rest_arm(side));
+  return ended(is_up && away_m < kStandsWithin_m,
+               fmt::format("{} {:.3f} m from its place", is_up ? "stands" : "lies", away_m),
+               {{"away_m", away_m}});
+}
+
+}  // namespace engram::datasets::kitchen
