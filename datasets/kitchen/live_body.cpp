@@ -123,19 +123,20 @@ struct LiveBody::State {
     advanced.notify_all();
   }
 
-  /// Waits for a sample as a client. Errors: kCancelled.
-  Status wait_for(const std::string& client, uint64_t until, const std::stop_token& client_stop)
+  /// Waits for a sample as a client. Returns false if it has not come yet. Errors: kCancelled.
+  Result<bool> wait_for(const std::string& client, uint64_t until, const Patience& patience)
       ENGRAM_REQUIRES(mutex) {
-    if (waiting.contains(client)) waiting[client] = until;
+    const auto own = waiting.find(client);
+    if (own != waiting.end()) own->second = until;
     clients_changed.notify_all();
-    const bool is_there = advanced.wait(mutex, client_stop, [&]() ENGRAM_REQUIRES(mutex) {
-      return is_over || body.sample() >= until;
-    });
+    advanced.wait_for(mutex, patience.stop, patience.max,
+                      [&]() ENGRAM_REQUIRES(mutex) { return is_over || body.sample() >= until; });
+    if (patience.stop.stop_requested()) return cancelled("the client '{}' stopped", client);
+    const bool is_there = body.sample() >= until;
+    if (!is_there && is_over) return cancelled("the robot's body has ended");
     // What a client does at this sample must be done before the next one.
-    if (waiting.contains(client)) waiting[client] = is_there ? body.sample() : 0;
-    if (!is_there) return cancelled("the client '{}' stopped", client);
-    if (body.sample() < until) return cancelled("the robot's body has ended");
-    return {};
+    if (is_there && own != waiting.end()) own->second = body.sample();
+    return is_there;
   }
 
   const Options options;
@@ -191,28 +192,30 @@ const BodyDescription& LiveBody::describe() const {
 }
 
 Result<std::vector<BodyState>> LiveBody::wait(const std::string& client, uint64_t until,
-                                              const std::stop_token& stop) {
+                                              const Patience& patience) {
   const MutexLock lock(state_->mutex);
-  ENGRAM_RETURN_IF_ERROR(state_->wait_for(client, until, stop));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_there, state_->wait_for(client, until, patience));
   std::vector<BodyState> since;
+  if (!is_there) return since;
   for (const BodyState& one : state_->states)
     if (one.sample >= until) since.push_back(one);
   return since;
 }
 
-Result<BodyPicture> LiveBody::draw(const std::string& client, uint64_t until, uint64_t committed,
-                                   const std::stop_token& stop) {
+Result<std::optional<BodyPicture>> LiveBody::draw(const std::string& client, uint64_t until,
+                                                  uint64_t committed, const Patience& patience) {
   std::vector<double> coordinates;
   uint64_t sample = 0;
   {
     const MutexLock lock(state_->mutex);
     state_->images_until = std::max(state_->images_until, committed);
-    ENGRAM_RETURN_IF_ERROR(state_->wait_for(client, until, stop));
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_there, state_->wait_for(client, until, patience));
+    if (!is_there) return std::optional<BodyPicture>();
     coordinates = state_->coordinates;
     sample = state_->body.sample();
     ++state_->counters.pictures;
   }
-  return state_->stage->draw(coordinates, sample);
+  return std::optional(state_->stage->draw(coordinates, sample));
 }
 
 Result<double> LiveBody::command(const BodyCommand& command) {
@@ -245,11 +248,17 @@ class NearBus final : public RobotBus {
 
   Result<BodyDescription> describe() override { return body_.describe(); }
   Result<std::vector<BodyState>> wait(uint64_t until, const std::stop_token& stop) override {
-    return body_.wait(client_, until, stop);
+    while (true) {
+      auto states = body_.wait(client_, until, {.stop = stop});
+      if (!states.ok() || !states->empty()) return states;
+    }
   }
   Result<BodyPicture> draw(uint64_t until, uint64_t committed,
                            const std::stop_token& stop) override {
-    return body_.draw(client_, until, committed, stop);
+    while (true) {
+      ENGRAM_ASSIGN_OR_RETURN(auto picture, body_.draw(client_, until, committed, {.stop = stop}));
+      if (picture) return *std::move(picture);
+    }
   }
   Result<double> command(const BodyCommand& command) override { return body_.command(command); }
   Result<std::string> poke(const std::string& what) override { return body_.poke(what); }

@@ -44,12 +44,19 @@ class LiveBody {
   LiveBody(const LiveBody&) = delete;
   LiveBody& operator=(const LiveBody&) = delete;
 
+  /// How long a client waits at once. Empty answers mean that the sample has not come yet; the
+  /// client still waits for it, and asks again.
+  struct Patience {
+    std::stop_token stop{};
+    Duration max = std::chrono::milliseconds(200);
+  };
+
   /// See RobotBus, for a client of this name.
   [[nodiscard]] const BodyDescription& describe() const;
   Result<std::vector<BodyState>> wait(const std::string& client, uint64_t until,
-                                      const std::stop_token& stop);
-  Result<BodyPicture> draw(const std::string& client, uint64_t until, uint64_t committed,
-                           const std::stop_token& stop);
+                                      const Patience& patience);
+  Result<std::optional<BodyPicture>> draw(const std::string& client, uint64_t until,
+                                          uint64_t committed, const Patience& patience);
   Result<double> command(const BodyCommand& command);
   Result<std::string> poke(const std::string& what);
 

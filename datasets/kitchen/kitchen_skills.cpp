@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "datasets/kitchen/skills.h"
+#include "datasets/kitchen/kitchen_skills.h"
 
 #include <algorithm>
 #include <cmath>
