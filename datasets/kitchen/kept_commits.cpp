@@ -53,7 +53,7 @@ void add_snapshot(ltm::Commit& commit, ltm::MemoryId entity, Time time,
   ltm::EntityUpdate update{.entity = std::move(entity), .time = time};
   for (idf::Data& value : values)
     update.instances.push_back(
-        {std::move(value), {.created = time, .provider = std::string(provider)}});
+        {std::move(value), {.created = time, .sent = time, .provider = std::string(provider)}});
   commit.updates.push_back(std::move(update));
 }
 

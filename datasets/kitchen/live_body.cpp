@@ -233,6 +233,11 @@ LiveBody::Counters LiveBody::counters() const {
   return state_->counters;
 }
 
+bool LiveBody::has_ended() const {
+  const MutexLock lock(state_->mutex);
+  return state_->is_over;
+}
+
 bool LiveBody::wait_for_end(const std::stop_token& stop) {
   const MutexLock lock(state_->mutex);
   return state_->advanced.wait(state_->mutex, stop,

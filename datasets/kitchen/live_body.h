@@ -62,6 +62,7 @@ class LiveBody {
 
   [[nodiscard]] Counters counters() const;
 
+  [[nodiscard]] bool has_ended() const;
   /// Waits until the body has ended. Returns false if the stop came first.
   bool wait_for_end(const std::stop_token& stop);
 
