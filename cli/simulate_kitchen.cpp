@@ -10,6 +10,7 @@
 
 #include "cli/child_process.h"
 #include "cli/interrupt.h"
+#include "cli/live_kitchen.h"
 #include "cli/progress_line.h"
 #include "cli/shared_progress.h"
 #include "datasets/export.h"
@@ -28,12 +29,18 @@ constexpr const char* kSimulateKitchenFooter = R"(Examples:
   engram simulate kitchen --folder episodes --seed 1..5 --jobs 2
   engram simulate kitchen --folder plain --plain --fast --seconds 20
   engram query kitchen.engram 'Skills/Actions @ all'
+  engram simulate kitchen --live                     beside 'engram serve robot.engram'
+  engram simulate kitchen --live --fast --chair 1.0,0.2 --person -0.6,-1
+  engram simulate kitchen --live --stepped --fast --seconds 5
 
 A humanoid brings objects from a counter to a table and back (docs/kitchen.md). Seeds are recorded
 into one store, one after the other, or each into a store kitchen-SEED.engram of a folder, by
 several processes. Unless --start says otherwise seed 1 begins at 2026-01-01 08:00 and each one an
 hour later. Equal options give equal snapshots. Everything is kept without loss unless --config or
---preset says otherwise (docs/recording.md).)";
+--preset says otherwise (docs/recording.md).
+
+With --live nothing is recorded here: the robot's drivers commit to a server what they sense, from
+now on and until Ctrl-C or for --seconds.)";
 
 struct KitchenArguments {
   datasets::KitchenOptions options;
@@ -47,6 +54,7 @@ struct KitchenArguments {
   int jobs = 1;
   bool is_fast = false;
   bool is_plain = false;  ///< Writes files instead of stores.
+  LiveKitchenArguments live;
 };
 
 /// Parses "3", "1..5", or several of these separated by commas.
@@ -207,6 +215,47 @@ ExitCode run_children_for(const KitchenArguments& arguments, const std::vector<u
   return are_done ? ExitCode::kDone : ExitCode::kFailed;
 }
 
+/// Lets the kitchen live. `given` are the options of the command line.
+ExitCode run_live(KitchenArguments arguments, const CLI::App& given) {
+  const auto seeds = read_seeds(arguments.seeds);
+  if (!seeds.ok()) return wrong_usage(seeds.status());
+  if (seeds->size() != 1)
+    return wrong_usage(invalid_argument("--live: found {} seeds, needs one", seeds->size()));
+  for (const char* batch :
+       {"store", "--folder", "--plain", "--depth", "--jobs", "--preset", "--config", "--progress"})
+    if (given.get_option(batch)->count() > 0)
+      return wrong_usage(
+          invalid_argument("found --live and {}, which is of recordings: a live kitchen commits "
+                           "to a server (--server)",
+                           batch));
+  const bool is_timed = given.get_option("--seconds")->count() > 0;
+  if (arguments.live.is_stepped && !is_timed)
+    return wrong_usage(invalid_argument("--stepped: needs --seconds, because it knows no clock"));
+  arguments.options.seed = seeds->front();
+  if (is_timed) arguments.live.seconds = std::exchange(arguments.options.seconds, 1);
+  if (arguments.start.empty() && !arguments.live.is_stepped)
+    arguments.options.start = std::chrono::floor<std::chrono::milliseconds>(system_now());
+  std::vector<std::string> for_drivers;
+  for (const char* name : {"--server", "--names", "--token", "--ca"})
+    for (const std::string& value : given.get_option(name)->results())
+      for_drivers.push_back(name + ("=" + value));
+  return run_live_kitchen(arguments.options, arguments.live, for_drivers);
+}
+
+/// Checks what recordings and a live kitchen have in common.
+Status read_common(KitchenArguments& arguments) {
+  if (arguments.is_fast) {
+    const auto fast = datasets::KitchenOptions::fast();
+    arguments.options.width = fast.width;
+    arguments.options.height = fast.height;
+    arguments.options.is_fine = fast.is_fine;
+  }
+  if (!arguments.start.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(arguments.options.start, parse_time(arguments.start));
+  }
+  return {};
+}
+
 ExitCode run(KitchenArguments arguments, const std::vector<std::string>& same) {
   const auto seeds = read_seeds(arguments.seeds);
   if (!seeds.ok()) return wrong_usage(seeds.status());
@@ -219,17 +268,6 @@ ExitCode run(KitchenArguments arguments, const std::vector<std::string>& same) {
         invalid_argument("--jobs {}: one process records into a store at a time; "
                          "needs --folder",
                          arguments.jobs));
-  if (arguments.is_fast) {
-    const auto fast = datasets::KitchenOptions::fast();
-    arguments.options.width = fast.width;
-    arguments.options.height = fast.height;
-    arguments.options.is_fine = fast.is_fine;
-  }
-  if (!arguments.start.empty()) {
-    const auto start = parse_time(arguments.start);
-    if (!start.ok()) return wrong_usage(start.status());
-    arguments.options.start = *start;
-  }
   if (const Status status = arguments.options.validate(); !status.ok()) return wrong_usage(status);
   if (const auto recording = recorder_options(arguments); !recording.ok())
     return wrong_usage(recording.status());
@@ -278,9 +316,19 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
       ->transform(old_value("text", "line"))
       ->check(CLI::IsMember({"line", "json", "none"}))
       ->capture_default_str();
+  add_live_options(*kitchen, arguments->live);
   kitchen->callback([arguments, kitchen, &exit_code] {
+    if (const Status status = read_common(*arguments); !status.ok()) {
+      exit_code = wrong_usage(status);
+      return;
+    }
+    if (arguments->live.is_live) {
+      exit_code = run_live(*arguments, *kitchen);
+      return;
+    }
     exit_code = run(*arguments, arguments_of(*kitchen, {"--seed", "--jobs", "--progress"}));
   });
+  add_live_kitchen_commands(simulate, exit_code);
 }
 
 }  // namespace engram::cli
