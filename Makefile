@@ -8,6 +8,8 @@ RECORDINGS ?= ../shared/data
 DEMO_BUDGET ?= 150s
 DEMO_SECONDS ?= 60
 DEMO_PRESET ?= release
+# Options of the kitchen of make robot.
+KITCHEN ?=
 # Options of the measurements of the store, such as BARS="--seconds 5".
 BARS ?=
 # Options of bench-build.
@@ -26,13 +28,14 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars fuzz \
+.PHONY: help packages build test demo robot view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
 	@echo "             (RECORDINGS=dir, DEMO_BUDGET=150s, DEMO_SECONDS=60, DEMO_PRESET=release)"
+	@echo "make robot   a live robot in a kitchen, its memory and the page that shows it, until Ctrl-C (KITCHEN=options)"
 	@echo "make view    the demo's memory in the browser, until Ctrl-C (DEMO_PRESET=release)"
 	@echo "make test    build with debug information and run all tests"
 	@echo "make check-headers   compile every public header alone"
@@ -104,6 +107,11 @@ demo: build/$(DEMO_PRESET)/build.ninja packages
 # The demo has made the memory and built the program.
 view:
 	build/$(DEMO_PRESET)/bin/engram view demo/robot.engram
+
+# A robot that lives, until Ctrl-C: options of its kitchen, such as KITCHEN="--fast --chair 1.0,0.2".
+robot: build/$(DEMO_PRESET)/build.ninja packages
+	cmake --build --preset $(DEMO_PRESET) --target engram
+	experiments/robot.sh build/$(DEMO_PRESET)/bin/engram demo/robot docs/robot.yaml $(KITCHEN)
 
 bench: build
 	cmake --preset release -DENGRAM_BENCHMARKS=ON
