@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMinTime_s = 0.1;
 constexpr double kMaxTime_s = 600;
-constexpr double kFar_m = 100;  ///< Nothing that the robot is told is farther away.
+constexpr double kFarthest_m = 100;  ///< Nothing that the robot is told is farther away.
 
 Status check_time(double seconds) {
   if (seconds >= kMinTime_s && seconds <= kMaxTime_s) return {};
@@ -23,9 +23,9 @@ Status check_time(double seconds) {
 }
 
 Status check_vector(const Eigen::Vector3d& vector) {
-  if (vector.allFinite() && vector.norm() < kFar_m) return {};
+  if (vector.allFinite() && vector.norm() < kFarthest_m) return {};
   return invalid_argument("found ({}, {}, {}), needs finite numbers below {}", vector.x(),
-                          vector.y(), vector.z(), kFar_m);
+                          vector.y(), vector.z(), kFarthest_m);
 }
 
 }  // namespace

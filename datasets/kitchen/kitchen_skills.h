@@ -66,6 +66,8 @@ class KitchenSkills {
 
   using Skill = Result<SkillResult> (KitchenSkills::*)(const SkillRequest&);
 
+  static SkillResult ended(bool is_success, std::string reason,
+                           std::map<std::string, double> measured);
   /// Runs a skill; a stop becomes its result.
   Result<SkillResult> run(Skill skill, const SkillRequest& request, const std::stop_token& stop);
   Result<SkillResult> do_look(const SkillRequest& request);

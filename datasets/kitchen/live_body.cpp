@@ -22,7 +22,7 @@ using WallClock = std::chrono::steady_clock;
 constexpr size_t kRememberedStates = RobotBus::kRate_hz;  ///< One second.
 constexpr double kMinSpeed = 0.01;
 constexpr double kMaxSpeed = 100;
-constexpr uint64_t kNever = ~uint64_t{0};
+constexpr uint64_t kNoEnd = ~uint64_t{0};
 
 DrawingSize size_of(const KitchenOptions& options) {
   return {.width = options.width,
@@ -75,7 +75,7 @@ struct LiveBody::State {
       : options(given),
         last(given.seconds > 0
                  ? static_cast<uint64_t>(std::llround(given.seconds * RobotBus::kRate_hz))
-                 : kNever),
+                 : kNoEnd),
         body(std::move(made)) {
     for (const std::string& client : given.clients) waiting[client] = 0;
   }
