@@ -140,6 +140,7 @@ Status run_drivers(const std::vector<DriverProcess>& drivers, const DriverEvents
   }
   while (!stop.stop_requested() && !events.is_over()) {
     look_at(all, events, false);
+    events.on_look();
     for (const auto& one : all)
       if (one->is_due() && !events.is_over()) ENGRAM_RETURN_IF_ERROR(one->start());
   }

@@ -26,6 +26,8 @@ struct DriverEvents {
   std::function<void(const std::string& driver, int exit_code, Duration again)> on_end;
   /// Whether drivers that end have done what they had to.
   std::function<bool()> is_over;
+  /// Called many times a second.
+  std::function<void()> on_look = [] {};
 };
 
 /// Runs drivers until all has been done or a stop is requested, and waits until they have ended:

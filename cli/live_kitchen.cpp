@@ -84,6 +84,18 @@ class LiveLog {
                  to_string(again));
   }
 
+  /// Says when the machine is too slow for the body, not more than once a minute.
+  void looked(const LiveBody::Counters& counters) {
+    constexpr double kFarBehind_s = 1;
+    constexpr std::chrono::minutes kBetween{1};
+    if (counters.behind_s < kFarBehind_s || steady_now() < next_word_) return;
+    next_word_ = steady_now() + kBetween;
+    if (is_json_)
+      return print_now(Json({{"event", "behind"}, {"seconds", counters.behind_s}}).dump());
+    log::warning("the kitchen is {:.1f} s behind its clock; needs a lower --speed, or fewer pixels",
+                 counters.behind_s);
+  }
+
   void ended(const LiveBody::Counters& counters) const {
     // The first sample is that of the beginning.
     const double seconds =
@@ -108,6 +120,7 @@ class LiveLog {
  private:
   bool is_json_;
   std::map<std::string, Json> figures_;
+  SteadyTime next_word_{};
 };
 
 ExitCode poke(const std::string& what, const std::string& bus, bool is_json) {
@@ -136,6 +149,38 @@ LiveBody::Options body_options(const datasets::KitchenOptions& options,
   if (!arguments.chair.empty()) body.pokes.push_back("chair to " + arguments.chair);
   if (!arguments.person.empty()) body.pokes.push_back("person to " + arguments.person);
   return body;
+}
+
+/// Reads what a live kitchen takes of the options of recordings.
+Status read_given(const std::vector<uint64_t>& seeds, const CLI::App& given,
+                  datasets::KitchenOptions& options, LiveKitchenArguments& arguments) {
+  if (seeds.size() != 1) return invalid_argument("--live: found {} seeds, needs one", seeds.size());
+  for (const char* batch :
+       {"store", "--folder", "--plain", "--depth", "--jobs", "--preset", "--config", "--progress"})
+    if (given.get_option(batch)->count() > 0)
+      return invalid_argument(
+          "found --live and {}, which is of recordings: a live kitchen commits to a server "
+          "(--server)",
+          batch);
+  const bool is_timed = given.get_option("--seconds")->count() > 0;
+  if (arguments.is_stepped && !is_timed)
+    return invalid_argument("--stepped: needs --seconds, because it knows no clock");
+  options.seed = seeds.front();
+  if (is_timed) arguments.seconds = std::exchange(options.seconds, 1);
+  if (given.get_option("--start")->count() == 0 && !arguments.is_stepped)
+    options.start = std::chrono::floor<std::chrono::milliseconds>(system_now());
+  return {};
+}
+
+/// The words that run a driver of the body at `bus`.
+std::vector<std::string> driver_words(const std::string& name, const Endpoint& bus,
+                                      const CLI::App& given) {
+  std::vector<std::string> words{"/proc/self/exe", "simulate", kDriverCommand, name,
+                                 "--bus=" + bus.to_string()};
+  for (const char* option : {"--server", "--names", "--token", "--ca"})
+    for (const std::string& value : given.get_option(option)->results())
+      words.push_back(option + ("=" + value));
+  return words;
 }
 
 }  // namespace
@@ -168,9 +213,10 @@ void add_live_options(CLI::App& kitchen, LiveKitchenArguments& arguments) {
   add_remote_options(kitchen, arguments.remote);
 }
 
-ExitCode run_live_kitchen(const datasets::KitchenOptions& options,
-                          const LiveKitchenArguments& arguments,
-                          const std::vector<std::string>& for_drivers) {
+ExitCode run_live_kitchen(datasets::KitchenOptions options, LiveKitchenArguments arguments,
+                          const std::vector<uint64_t>& seeds, const CLI::App& given) {
+  if (const Status status = read_given(seeds, given, options, arguments); !status.ok())
+    return wrong_usage(status);
   const LiveBody::Options wanted = body_options(options, arguments);
   if (const Status status = wanted.validate(); !status.ok()) return wrong_usage(status);
   const auto endpoint = bus_endpoint(arguments.bus);
@@ -187,19 +233,15 @@ ExitCode run_live_kitchen(const datasets::KitchenOptions& options,
   log.started(**body, endpoint->to_string(), arguments.speed);
 
   std::vector<DriverProcess> drivers;
-  for (const std::string& name : wanted.clients) {
-    drivers.push_back(
-        {name,
-         {"/proc/self/exe", "simulate", kDriverCommand, name, "--bus=" + endpoint->to_string()}});
-    auto& words = drivers.back().arguments;
-    words.insert(words.end(), for_drivers.begin(), for_drivers.end());
-  }
+  for (const std::string& name : wanted.clients)
+    drivers.push_back({name, driver_words(name, *endpoint, given)});
   const Status status = run_drivers(
       drivers,
       {.on_line = [&](const auto& driver, const auto& line) { log.driver_line(driver, line); },
        .on_end = [&](const auto& driver, int code,
                      Duration again) { log.driver_ended(driver, code, again); },
-       .is_over = [&] { return (*body)->has_ended(); }},
+       .is_over = [&] { return (*body)->has_ended(); },
+       .on_look = [&] { log.looked((*body)->counters()); }},
       interrupt_token());
   log.ended((*body)->counters());
   return done_or_failed(status);

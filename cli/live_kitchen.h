@@ -28,10 +28,9 @@ struct LiveKitchenArguments {
 void add_live_options(CLI::App& kitchen, LiveKitchenArguments& arguments);
 
 /// Runs the body of the robot, and its drivers as programs of their own, until Ctrl-C.
-/// `for_drivers`: options that the drivers get, too.
-ExitCode run_live_kitchen(const datasets::KitchenOptions& options,
-                          const LiveKitchenArguments& arguments,
-                          const std::vector<std::string>& for_drivers);
+/// `given`: the command, whose options of recordings must not be given.
+ExitCode run_live_kitchen(datasets::KitchenOptions options, LiveKitchenArguments arguments,
+                          const std::vector<uint64_t>& seeds, const CLI::App& given);
 
 /// Adds `engram simulate poke`, and the hidden command that runs a driver.
 void add_live_kitchen_commands(CLI::App& simulate, ExitCode& exit_code);

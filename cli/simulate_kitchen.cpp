@@ -215,33 +215,6 @@ ExitCode run_children_for(const KitchenArguments& arguments, const std::vector<u
   return are_done ? ExitCode::kDone : ExitCode::kFailed;
 }
 
-/// Lets the kitchen live. `given` are the options of the command line.
-ExitCode run_live(KitchenArguments arguments, const CLI::App& given) {
-  const auto seeds = read_seeds(arguments.seeds);
-  if (!seeds.ok()) return wrong_usage(seeds.status());
-  if (seeds->size() != 1)
-    return wrong_usage(invalid_argument("--live: found {} seeds, needs one", seeds->size()));
-  for (const char* batch :
-       {"store", "--folder", "--plain", "--depth", "--jobs", "--preset", "--config", "--progress"})
-    if (given.get_option(batch)->count() > 0)
-      return wrong_usage(
-          invalid_argument("found --live and {}, which is of recordings: a live kitchen commits "
-                           "to a server (--server)",
-                           batch));
-  const bool is_timed = given.get_option("--seconds")->count() > 0;
-  if (arguments.live.is_stepped && !is_timed)
-    return wrong_usage(invalid_argument("--stepped: needs --seconds, because it knows no clock"));
-  arguments.options.seed = seeds->front();
-  if (is_timed) arguments.live.seconds = std::exchange(arguments.options.seconds, 1);
-  if (arguments.start.empty() && !arguments.live.is_stepped)
-    arguments.options.start = std::chrono::floor<std::chrono::milliseconds>(system_now());
-  std::vector<std::string> for_drivers;
-  for (const char* name : {"--server", "--names", "--token", "--ca"})
-    for (const std::string& value : given.get_option(name)->results())
-      for_drivers.push_back(name + ("=" + value));
-  return run_live_kitchen(arguments.options, arguments.live, for_drivers);
-}
-
 /// Checks what recordings and a live kitchen have in common.
 Status read_common(KitchenArguments& arguments) {
   if (arguments.is_fast) {
@@ -323,7 +296,10 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
       return;
     }
     if (arguments->live.is_live) {
-      exit_code = run_live(*arguments, *kitchen);
+      const auto seeds = read_seeds(arguments->seeds);
+      exit_code = seeds.ok()
+                      ? run_live_kitchen(arguments->options, arguments->live, *seeds, *kitchen)
+                      : wrong_usage(seeds.status());
       return;
     }
     exit_code = run(*arguments, arguments_of(*kitchen, {"--seed", "--jobs", "--progress"}));

@@ -6,9 +6,8 @@ namespace engram::cli {
 
 void add_live_options(CLI::App& /*kitchen*/, LiveKitchenArguments& /*arguments*/) {}
 
-ExitCode run_live_kitchen(const datasets::KitchenOptions& /*options*/,
-                          const LiveKitchenArguments& /*arguments*/,
-                          const std::vector<std::string>& /*for_drivers*/) {
+ExitCode run_live_kitchen(datasets::KitchenOptions /*options*/, LiveKitchenArguments /*arguments*/,
+                          const std::vector<uint64_t>& /*seeds*/, const CLI::App& /*given*/) {
   return fail(failed_precondition("this program was built without servers"));
 }
 
