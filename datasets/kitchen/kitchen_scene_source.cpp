@@ -3,6 +3,7 @@
 
 #include "datasets/kitchen/entities.h"
 #include "datasets/kitchen/kitchen_types.h"
+#include "datasets/kitchen/movable_places.h"
 #include "ltm/typed/image.h"
 
 namespace engram::datasets {
@@ -118,6 +119,12 @@ Result<std::optional<RememberedScene>> KitchenSceneSource::scene(ltm::StoreReade
     ENGRAM_ASSIGN_OR_RETURN(auto object, reader.object(entity, began, is_whole));
     if (!object) continue;
     ENGRAM_ASSIGN_OR_RETURN(const ObjectInstance thing, ObjectInstance::from_idf(*object));
+    if (kitchen::is_movable(entity)) {
+      // Scenes have no chair and no person, so they would not look as it was.
+      is_whole &= kitchen::is_away(
+          Eigen::Isometry3d(Eigen::Translation3d(thing.pose_world_object.position)));
+      continue;
+    }
     if (thing.is_visible) in_sight.push_back(entity.names().back());
     moment.objects.emplace_back(entity, *std::move(object));
   }

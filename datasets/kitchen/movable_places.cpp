@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "datasets/kitchen/entities.h"
+
 namespace engram::datasets::kitchen {
 
 namespace {
@@ -31,6 +33,11 @@ Pose place_away(size_t movable) {
 
 bool is_away(const Pose& pose) {
   return pose.translation().x() > kRoom.max_x + 1;
+}
+
+bool is_movable(const ltm::MemoryId& object) {
+  return std::ranges::any_of(
+      movable_classes(), [&](const ThingClass& type) { return entities::object(type) == object; });
 }
 
 Pose standing_movable(const ThingClass& type, double x_m, double y_m, double heading_rad) {

@@ -8,6 +8,7 @@
 #include "datasets/kitchen/robot_body.h"
 #include "datasets/kitchen/things.h"
 #include "ltm/core/status.h"
+#include "ltm/memory/memory_id.h"
 
 namespace engram::datasets::kitchen {
 
@@ -17,6 +18,9 @@ inline constexpr double kPlatformRadius_m = 0.28;
 /// Where a movable is while it is not in the room: behind a wall, so that no camera sees it.
 [[nodiscard]] Pose place_away(size_t movable);
 [[nodiscard]] bool is_away(const Pose& pose);
+
+/// Whether this is the entity of the chair or the person.
+[[nodiscard]] bool is_movable(const ltm::MemoryId& object);
 
 /// Returns where a movable stands on the floor.
 [[nodiscard]] Pose standing_movable(const ThingClass& type, double x_m, double y_m,

@@ -132,5 +132,49 @@ TEST_F(KitchenSceneSourceTest, LeavesOtherRecordingsToOthers) {
   EXPECT_FALSE(scene->has_value());
 }
 
+/// Counts the views of a second that are rebuilt, with a chair whose middle is at `x_m`.
+size_t rebuilt_with_chair(double x_m) {
+  const ScratchDirectory scratch;
+  KitchenOptions options = KitchenOptions::fast();
+  options.seconds = 1;
+  options.width = options.height = 32;
+  auto recorder = ltm::Recorder::open(scratch / "kitchen", {});
+  EXPECT_OK(recorder);
+  for (const auto& [segment, type] : kitchen_types()) EXPECT_OK(recorder->declare(segment, type));
+  const auto with_chair = [&](ltm::Commit commit) {
+    for (ltm::EntityUpdate update : std::vector(commit.updates)) {
+      if (update.entity.names()[1] != "Instances") continue;
+      auto chair = ::kitchen::ObjectInstance::from_idf(update.instances[0].data);
+      EXPECT_OK(chair);
+      chair->pose_world_object.position = {x_m, 0, 0.45};
+      update.entity = *ltm::MemoryId::parse("Objects/Instances/kitchen/chair_1");
+      update.instances[0].data = chair->to_idf();
+      commit.updates.push_back(std::move(update));
+      break;
+    }
+    return recorder->commit(commit);
+  };
+  EXPECT_OK(simulate_kitchen(options, with_chair, {}));
+  EXPECT_OK(recorder->close());
+  auto store = ltm::StoreReader::open(scratch / "kitchen");
+  EXPECT_OK(store);
+  const ltm::MemoryId stereo = *ltm::MemoryId::parse("Vision/RGB/head/stereo");
+  const auto views = (*store)->index(stereo);
+  EXPECT_OK(views);
+  KitchenSceneSource source;
+  size_t rebuilt = 0;
+  for (const ltm::SnapshotEntry& entry : **views) {
+    const auto scene = source.scene(**store, *(*store)->read_recorded(stereo, entry), 0);
+    EXPECT_OK(scene);
+    if (scene.ok() && *scene) ++rebuilt;
+  }
+  return rebuilt;
+}
+
+TEST(KitchenSceneSourceWithAChair, LeavesOutMomentsAtWhichItWasInTheRoom) {
+  EXPECT_EQ(rebuilt_with_chair(0.6), 0u);
+  EXPECT_GE(rebuilt_with_chair(6.0), 5u) << "outside";
+}
+
 }  // namespace
 }  // namespace engram::datasets
