@@ -13,6 +13,13 @@ mkdir -p "$dir"
 cp "$yaml" "$dir/robot.yaml"
 programs=
 
+# Each program has a session of its own: Ctrl-C would reach it, and the signal of end() would be its
+# second one, which ends a server before it has stored what is in its memory.
+begin() {
+  setsid "$engram" "$@" &
+  programs="$! $programs"
+}
+
 # The page first, so that it says nothing of a server that is gone; the server last, because it
 # stores what is in its memory.
 end() {
@@ -25,17 +32,14 @@ end() {
 trap end EXIT
 trap 'exit 130' INT TERM
 
-"$engram" serve --config "$dir/robot.yaml" > "$dir/serve.log" 2>&1 &
+begin serve --config "$dir/robot.yaml" > "$dir/serve.log" 2>&1
 server=$!
-programs=$server
 until grep -q 'listens at' "$dir/serve.log"; do
   kill -0 "$server" 2> /dev/null || { cat "$dir/serve.log" >&2; exit 1; }
   sleep 0.1
 done
 cat "$dir/serve.log"
-"$engram" simulate kitchen --live "$@" &
+begin simulate kitchen --live "$@"
 kitchen=$!
-programs="$kitchen $server"
-"$engram" view &
-programs="$! $kitchen $server"
+begin view
 wait "$kitchen"
