@@ -63,6 +63,18 @@ if(ENGRAM_KITCHEN)
   endif()
 endif()
 
+if(ENGRAM_NAVIGATION)
+  # Debian's omplConfig.cmake links ODE, which is not installed with it and not needed.
+  find_library(ENGRAM_OMPL ompl)
+  find_path(ENGRAM_OMPL_HEADERS ompl/config.h PATH_SUFFIXES ompl-1.5)
+  if(NOT ENGRAM_OMPL OR NOT ENGRAM_OMPL_HEADERS)
+    message(WARNING
+      "Plans and drives of robots are left out, cost maps are not: OMPL is missing. Install it:\n"
+      "    apt-get install libompl-dev")
+    set(ENGRAM_NAVIGATION OFF)
+  endif()
+endif()
+
 # AUTO is as good as ON for if(), and OFF is OFF.
 if(ENGRAM_VIEWER)
   find_path(ENGRAM_BOOST_HEADERS boost/beast/version.hpp)

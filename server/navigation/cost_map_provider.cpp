@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ltm/core/log.h"
+#include "server/navigation/known_things.h"
 #include "server/navigation/navigation_types.h"
 
 namespace engram::navigation {
@@ -73,7 +74,7 @@ Status CostMapProvider::begin() {
   ENGRAM_ASSIGN_OR_RETURN(
       subscription_,
       memory_.subscribe({.names = things_.names(), .with_data = true}, std::move(handlers)));
-  ENGRAM_RETURN_IF_ERROR(ask_for_all());
+  ENGRAM_RETURN_IF_ERROR(tell_things(memory_, things_));
   ENGRAM_RETURN_IF_ERROR(bring_up_to_date());
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   return {};
@@ -98,7 +99,7 @@ void CostMapProvider::run(const std::stop_token& stop) {
       must_ask_ = false;
     }
     Status status;
-    if (must_ask) status = ask_for_all();
+    if (must_ask) status = tell_things(memory_, things_);
     const bool must_ask_again = !status.ok();
     for (const ltm::Snapshot& snapshot : snapshots) things_.take(snapshot);
     const Status made = bring_up_to_date();
@@ -113,22 +114,6 @@ void CostMapProvider::run(const std::stop_token& stop) {
       counters_.last_failure = status.message();
     }
   }
-}
-
-Status CostMapProvider::ask_for_all() {
-  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query, subscribed_names(things_.names()));
-  const auto known = memory_.query(query);
-  if (!known.ok() && known.status().code() == StatusCode::kNotFound) return {};
-  ENGRAM_RETURN_IF_ERROR(known.status());
-  for (const ltm::EntityResult* entity : known->entities()) {
-    if (entity->snapshots.empty()) continue;
-    const ltm::SnapshotResult& last = entity->snapshots.back();
-    ltm::Snapshot snapshot{entity->id, last.time, {}};
-    for (const ltm::InstanceResult& instance : last.instances)
-      snapshot.instances.push_back({instance.data, instance.metadata});
-    things_.take(snapshot);
-  }
-  return {};
 }
 
 Status CostMapProvider::bring_up_to_date() {

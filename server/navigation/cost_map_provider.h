@@ -63,7 +63,6 @@ class CostMapProvider {
 
   Status begin();
   void run(const std::stop_token& stop);
-  Status ask_for_all();
   Status bring_up_to_date();
   Status commit_map();
   void note_done(const std::vector<ltm::Snapshot>& snapshots);

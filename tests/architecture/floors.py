@@ -38,6 +38,7 @@ LIBRARIES = {
     "MuJoCo": ("mujoco/",),
     "EGL": ("EGL/",),
     "Boost": ("boost/",),
+    "OMPL": ("ompl/",),
 }
 # These stay where they are, whoever may include the room.
 CONFINED = {
@@ -53,6 +54,7 @@ CONFINED = {
     "MuJoCo": {"datasets/kitchen", "datasets"},
     "EGL": {"datasets/kitchen", "datasets"},
     "Boost": {"viewer"},
+    "OMPL": {"server/navigation", "server"},
 }
 SYSTEM = re.compile(
     r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/navigation/known_things.h"
+
+#include "server/navigation/obstacle_map.h"
+
+namespace engram::navigation {
+
+Status tell_things(Memory& memory, FloorThings& things, std::optional<Time> at) {
+  std::string text;
+  for (const std::string& names : things.names()) {
+    text += (text.empty() ? "" : " ; ") + names;
+    if (at) text += " @ at-or-before:" + to_string(*at);
+  }
+  const auto known = memory.query(text);
+  if (!known.ok() && known.status().code() == StatusCode::kNotFound) return {};
+  ENGRAM_RETURN_IF_ERROR(known.status());
+  for (const ltm::EntityResult* entity : known->entities()) {
+    if (entity->snapshots.empty()) continue;
+    const ltm::SnapshotResult& last = entity->snapshots.back();
+    ltm::Snapshot snapshot{entity->id, last.time, {}};
+    for (const ltm::InstanceResult& instance : last.instances)
+      snapshot.instances.push_back({instance.data, instance.metadata});
+    things.take(snapshot);
+  }
+  return {};
+}
+
+Result<FloorThings> known_things(Memory& memory, const MapRules& rules, std::optional<Time> at) {
+  ENGRAM_ASSIGN_OR_RETURN(FloorThings things, FloorThings::create(rules));
+  ENGRAM_RETURN_IF_ERROR(tell_things(memory, things, at));
+  return things;
+}
+
+Result<CostMap> map_of_known_things(Memory& memory, const MapRules& rules, std::optional<Time> at) {
+  ENGRAM_ASSIGN_OR_RETURN(FloorThings things, known_things(memory, rules, at));
+  ENGRAM_ASSIGN_OR_RETURN(ObstacleMap made, ObstacleMap::create(rules.frame, rules.costs));
+  for (const FloorThings::Change& change : things.take_changes())
+    if (change.obstacle)
+      made.set(change.entity, *change.obstacle, change.obstacle->max_speed_m_s * rules.reaction_s);
+  CostMap map;
+  map.frame = made.frame();
+  map.costs = made.update().clone();
+  map.inscribed_m = rules.costs.inscribed_m();
+  map.inflation_m = rules.costs.inflation_radius_m;
+  map.obstacles = things.obstacles();
+  map.left_out = things.left_out();
+  if (things.newest() != Time{}) map.id = rules.entity().at(things.newest()).instance(0);
+  return map;
+}
+
+}  // namespace engram::navigation
