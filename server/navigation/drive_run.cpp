@@ -17,6 +17,8 @@ using ::navigation::EventKind;
 constexpr Duration kBetweenPlans = std::chrono::milliseconds(400);
 /// A robot that came on by less than this since then is stuck.
 constexpr double kCameOnM = 0.05;
+/// A provider has this long to make a map of what was moved; it needs a hundredth of it.
+constexpr Duration kBetweenChecks = std::chrono::milliseconds(500);
 constexpr Duration kStuck = std::chrono::milliseconds(1500);
 constexpr double kOffWayM = 0.35;
 
@@ -152,6 +154,9 @@ Result<bool> DriveRun::go_on() {
   if (state_.time - started_ > options.time_limit)
     return end(EventKind::FAILED,
                fmt::format("did not arrive within {}", to_string(options.time_limit)));
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, is_map_kept());
+  if (!is_kept)
+    return end(EventKind::FAILED, fmt::format("nobody keeps the map up to date: {}", stale_));
   const Eigen::Vector2d at = state_.pose_world_robot.position();
   const bool came_on = !here_ || (at - *here_).norm() > kCameOnM;
   if (came_on || std::abs(state_.twist.turn_rad_s) > 0.1) {
@@ -191,6 +196,23 @@ Result<bool> DriveRun::go_on() {
   }
   ENGRAM_RETURN_IF_ERROR(base_.move(step.twist));
   return true;
+}
+
+Result<bool> DriveRun::is_map_kept() {
+  if (state_.time - checked_ < kBetweenChecks) return true;
+  checked_ = state_.time;
+  const Status current = check_map(driver_.memory_, *map_, driver_.options_.rules);
+  if (current.ok()) {
+    stale_map_ = {};
+    return true;
+  }
+  if (current.code() != StatusCode::kFailedPrecondition) return current;
+  // Persons walk, so an object is often newer than a map by some milliseconds. The same map being
+  // stale twice is something else: whoever makes maps died, and the robot would drive blindly.
+  const bool is_again = stale_map_ == map_->id;
+  stale_map_ = map_->id;
+  stale_ = current.message();
+  return !is_again;
 }
 
 Result<bool> DriveRun::replan() {

@@ -44,6 +44,8 @@ class DriveRun {
   /// One command to the base. Returns whether the drive goes on.
   Result<bool> go_on();
   Result<bool> replan();
+  /// Whether the map is still that of the objects, or will be soon.
+  Result<bool> is_map_kept();
   /// What to do while nothing moves: wait, and give up at last.
   Result<bool> wait_or_give_up(const FoundPath& blocked);
 
@@ -72,6 +74,9 @@ class DriveRun {
   std::optional<Eigen::Vector2d> here_{};
   std::optional<Obstacle> held_by_{};
   ltm::MemoryId looked_at_;  ///< The map that the way was compared with.
+  Time checked_{};           ///< When the map was last compared with the objects.
+  ltm::MemoryId stale_map_;  ///< The map that was stale then.
+  std::string stale_;        ///< What was newer.
 };
 
 }  // namespace engram::navigation

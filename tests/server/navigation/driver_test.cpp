@@ -171,6 +171,24 @@ TEST_F(DriverTest, RefusesToDriveOnAMapThatNobodyUpdates) {
   EXPECT_THAT(outcome->reason, HasSubstr("chair_1"));
 }
 
+TEST_F(DriverTest, StopsWhenNobodyKeepsTheMapUpToDateAnyMore) {
+  start({.chairs = 0, .persons = 0});
+  int steps = 0;
+  floor->on_step = [&] {
+    if (++steps != 20) return;
+    floor->wait_for_no_maps();
+    provider.reset();
+    ASSERT_OK(
+        memory->commit({{testing::thing_at("chair_9", "chair", {4, -4, 0}, 0.45, floor->now())}}));
+  };
+  const auto outcome = driver->drive({.goal = "table"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_EQ(outcome->kind, EventKind::FAILED);
+  EXPECT_THAT(outcome->reason, HasSubstr("nobody keeps the map up to date"));
+  EXPECT_THAT(outcome->reason, HasSubstr("chair_9' came"));
+  EXPECT_LT(steps, 60);
+}
+
 /// The platform fails; the drive must not leave it moving.
 class BrokenBase : public DriveBase {
  public:

@@ -49,6 +49,8 @@ class SimulatedFloor : public DriveBase {
     maps_ = &maps;
   }
 
+  void wait_for_no_maps() { provider_ = nullptr; }
+
   Result<BaseState> state() override;
   Status move(const Twist& twist) override;
   Status stop() override;
