@@ -29,6 +29,7 @@ DB ?= 35
 BUDGET ?= 1200
 
 .PHONY: help packages build test demo robot view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars fuzz \
+.PHONY: help packages build test demo view bench drives bench-build crash crash-night faults soak server-cut fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
 
@@ -42,6 +43,7 @@ help:
 	@echo "make check-locks     is what a mutex guards used with it held? (clang 14)"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
+	@echo "make drives  drive a simulated robot 500 times among moving chairs and persons"
 	@echo "make bench-build     processor time of a fresh release build, per room and of the dearest sources"
 	@echo "             (BENCH=--json, or BENCH='--report build/release' for a build that is there)"
 	@echo "make crash   kill recording processes at random moments, look for what they stored (KILLS=300)"
@@ -120,6 +122,16 @@ bench: build
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
 	build/release/bin/engram_neighbour_index
+
+# A simulated robot among chairs that are pushed and persons who walk about: what came of 500 drives,
+# and how soon a map follows an object.
+DRIVES = 500
+drives: build
+	cmake --preset release -DENGRAM_BENCHMARKS=ON
+	cmake --build --preset release --target engram_navigation_speed engram_navigation_drives
+	rm -rf build/drives && mkdir build/drives
+	build/release/bin/engram_navigation_speed build/drives
+	build/release/bin/engram_navigation_drives build/drives/robot.engram $(DRIVES) 1
 
 # A fresh release build without ccache, in build/bench; BENCH=--help.
 bench-build: packages
