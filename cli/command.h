@@ -46,6 +46,7 @@ void add_check_command(CLI::App& app, ExitCode& exit_code);
 void add_recover_command(CLI::App& app, ExitCode& exit_code);
 void add_reflect_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
+void add_map_command(CLI::App& app, ExitCode& exit_code);
 void add_view_command(CLI::App& app, ExitCode& exit_code);
 
 /// Adds serve, replay, mns, commit, watch, skill and audit; nothing in a program that is built without servers.

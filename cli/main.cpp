@@ -114,6 +114,7 @@ struct Program {
     add_compact_command(app, exit_code);
     add_simulate_command(app, exit_code);
     add_idf_command(app, exit_code);
+    add_map_command(app, exit_code);
     add_server_commands(app, exit_code);
     add_check_command(app, exit_code);
     add_recover_command(app, exit_code);
@@ -130,7 +131,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 13> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 14> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -139,6 +140,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 13> kInterruptNot
     {"export", "what it began to write is not whole; an export to a vault goes on"},
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
+    {"map", "a file or a map is whole, or not there"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"reflect", "nothing is recorded, or all of it"},
