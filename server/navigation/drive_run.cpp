@@ -180,6 +180,9 @@ Result<bool> DriveRun::go_on() {
                          state_.time - moved_ > kStuck || follower_->distance_m(at) > kOffWayM;
   if (!must_plan) looked_at_ = map_->id;
   if (must_plan && state_.time - planned_ >= kBetweenPlans) {
+    // Planning takes some milliseconds, and now and then longer than the reaction that the speed is
+    // safe for. So the robot brakes meanwhile, and its next command lets it go on.
+    ENGRAM_RETURN_IF_ERROR(base_.stop());
     ENGRAM_ASSIGN_OR_RETURN(const bool goes_on, replan());
     if (!goes_on) return false;
   }
