@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "cli/interrupt.h"
+#include "cli/kitchen_skill_driver.h"
 #include "cli/remote.h"
 #include "cli/server_commands.h"
 #include "datasets/kitchen/drivers.h"
@@ -70,7 +71,8 @@ ExitCode run_driver(DriverArguments arguments) {
             print_now(Json({{"figures", figures}}).dump());
           }};
   const std::stop_token stop = interrupt_token();
-  // The skills of datasets/kitchen/kitchen_skills.h are registered by a third driver, here.
+  if (arguments.name == "skills")
+    return done_or_failed(provide_kitchen_skills(*endpoint, arguments.remote, options.say, stop));
   return done_or_failed(arguments.name == "camera" ? kitchen::drive_camera(**body, options, stop)
                                                    : kitchen::drive_state(**body, options, stop));
 }
@@ -81,8 +83,8 @@ void add_kitchen_driver_command(CLI::App& simulate, ExitCode& exit_code) {
   const auto arguments = std::make_shared<DriverArguments>();
   CLI::App* command = simulate.add_subcommand(kDriverCommand, "Run a driver of a live kitchen");
   command->group("");  // Only 'engram simulate kitchen --live' starts it.
-  command->add_option("name", arguments->name, "camera or state")
-      ->check(CLI::IsMember({"camera", "state"}))
+  command->add_option("name", arguments->name, "camera, state or skills")
+      ->check(CLI::IsMember({"camera", "state", "skills"}))
       ->required();
   command->add_option("--bus", arguments->bus, "Endpoint of the body")->required();
   add_remote_options(*command, arguments->remote);

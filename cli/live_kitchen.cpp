@@ -235,6 +235,8 @@ ExitCode run_live_kitchen(datasets::KitchenOptions options, LiveKitchenArguments
   std::vector<DriverProcess> drivers;
   for (const std::string& name : wanted.clients)
     drivers.push_back({name, driver_words(name, *endpoint, given)});
+  // When a skill starts is not a matter of steps.
+  if (!wanted.is_stepped) drivers.push_back({"skills", driver_words("skills", *endpoint, given)});
   const Status status = run_drivers(
       drivers,
       {.on_line = [&](const auto& driver, const auto& line) { log.driver_line(driver, line); },

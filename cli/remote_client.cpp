@@ -118,11 +118,16 @@ Status check_source(const std::string& store, const RemoteArguments& arguments) 
                                      : usual.status().message());
 }
 
-Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments) {
+Result<Connection> connection_of(const RemoteArguments& arguments) {
   ENGRAM_ASSIGN_OR_RETURN(const ConnectOptions options, connect_options(arguments));
-  if (options.is_name_system) return Memory::connect(arguments.names, options);
+  if (options.is_name_system) return Connection{arguments.names, options};
   ENGRAM_ASSIGN_OR_RETURN(const std::string endpoint, named_endpoint(arguments));
-  return Memory::connect(endpoint, options);
+  return Connection{endpoint, options};
+}
+
+Result<std::unique_ptr<Memory>> connect_memory(const RemoteArguments& arguments) {
+  ENGRAM_ASSIGN_OR_RETURN(const Connection connection, connection_of(arguments));
+  return Memory::connect(connection.endpoint, connection.options);
 }
 
 Result<std::vector<server::Registration>> known_servers(const RemoteArguments& arguments) {

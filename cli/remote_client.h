@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "cli/remote.h"
@@ -9,6 +10,15 @@
 #include "server/names/registration.h"
 
 namespace engram::cli {
+
+/// Where Memory::connect, or a provider of skills, connects to.
+struct Connection {
+  std::string endpoint;
+  ConnectOptions options;
+};
+
+/// Errors: kInvalidArgument; kUnavailable if the socket of a server does not exist.
+Result<Connection> connection_of(const RemoteArguments& arguments);
 
 /// Returns all servers that the name system knows.
 /// Errors: kUnavailable.

@@ -155,6 +155,18 @@ TEST_F(LiveKitchen, GoesOnWhenADriverOrTheServerIsKilled) {
   EXPECT_TRUE(is_new(chair, latest(chair)));
   const std::string stereo = "Vision/RGB/head/stereo";
   EXPECT_TRUE(is_new(stereo, latest(stereo)));
+  // What it can do is registered, and carried out.
+  RunResult drive;
+  for (int i = 0; i < 40 && drive.exit_code != 0; ++i) {
+    drive = run_engram({"skill", "run", "kitchen/navigate", "surface=counter", "speed=2"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(250));
+  }
+  EXPECT_EQ(drive.exit_code, 0) << drive.err;
+  EXPECT_THAT(drive.out + drive.err, HasSubstr("from where it was to be"));
+  const RunResult none =
+      run_engram({"skill", "run", "kitchen/pick", "object=Objects/Instances/kitchen/dog_1"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.out + none.err, HasSubstr("has no 'dog_1'"));
   const RunResult ended = kitchen.end(SIGINT);
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr(R"("event":"ended")"));
@@ -167,7 +179,7 @@ TEST_F(LiveKitchen, GoesOnWhenADriverOrTheServerIsKilled) {
 TEST_F(LiveKitchen, LeavesNoDriverWhenItIsKilled) {
   RunningEngram kitchen(live({"--bus", "unix:" + (directory_ / "bus.sock").string()}));
   ASSERT_TRUE(kitchen.wait_for("no server listens at"));
-  EXPECT_THAT(programs("kitchen-driver"), SizeIs(2));
+  EXPECT_THAT(programs("kitchen-driver"), SizeIs(3));
   EXPECT_EQ(kitchen.end(SIGKILL).exit_code, -SIGKILL);
   expect_no_drivers();
 }
