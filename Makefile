@@ -28,7 +28,7 @@ VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
 BUDGET ?= 1200
 
-.PHONY: help packages build test demo robot view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
+.PHONY: help packages build test demo robot robot-demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
         import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
 
@@ -42,6 +42,7 @@ help:
 	@echo "make check-locks     is what a mutex guards used with it held? (clang 14)"
 	@echo "make build   release build: build/release/bin/engram"
 	@echo "make bench   run the benchmarks"
+	@echo "make robot-demo      'Bring me the salt': a live robot plans, drives, is stopped, and is asked why"
 	@echo "make drives  drive a simulated robot 500 times among moving chairs and persons"
 	@echo "make bench-build     processor time of a fresh release build, per room and of the dearest sources"
 	@echo "             (BENCH=--json, or BENCH='--report build/release' for a build that is there)"
@@ -121,6 +122,11 @@ bench: build
 	build/release/bin/engram_paper_objects
 	build/release/bin/engram_benchmark
 	build/release/bin/engram_neighbour_index
+
+# "Bring me the salt": skills, navigation and conditions on a live robot, without a display.
+robot-demo: build/$(DEMO_PRESET)/build.ninja packages
+	cmake --build --preset $(DEMO_PRESET) --target engram engram_python
+	PYTHONPATH=build/$(DEMO_PRESET)/python /usr/bin/python3 -B experiments/robot_demo.py build/$(DEMO_PRESET)/bin/engram demo/bring $(BARS)
 
 # A simulated robot among chairs that are pushed and persons who walk about: what came of 500 drives,
 # and how soon a map follows an object.

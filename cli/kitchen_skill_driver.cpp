@@ -3,9 +3,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <thread>
 #include <utility>
 
+#include "cli/kitchen_drive.h"
+#include "cli/remote.h"
 #include "cli/remote_client.h"
 #include "datasets/kitchen/kitchen_skills.h"
 #include "server/client/skill_provider.h"
@@ -135,17 +138,34 @@ SkillEnd end_of(const Result<kitchen::SkillResult>& result) {
   return end;
 }
 
-Result<std::unique_ptr<SkillProvider>> register_skills(const server::Endpoint& bus,
-                                                       const RemoteArguments& remote) {
+/// The skills, and what they stand on; the provider ends first.
+struct RegisteredSkills {
+  std::unique_ptr<Memory> memory;
+  std::unique_ptr<KitchenNavigation> navigation;  ///< Null: there is no skill `drive`.
+  std::unique_ptr<SkillProvider> provider;
+};
+
+Result<RegisteredSkills> register_skills(const server::Endpoint& bus, const RemoteArguments& remote,
+                                         const std::function<void(const std::string&)>& say) {
+  RegisteredSkills registered;
   ENGRAM_ASSIGN_OR_RETURN(const auto connection, connection_of(remote));
   ENGRAM_ASSIGN_OR_RETURN(
-      auto provider, SkillProvider::connect(connection.endpoint, "kitchen", connection.options));
+      registered.provider,
+      SkillProvider::connect(connection.endpoint, "kitchen", connection.options));
   for (const ProvidedSkill& skill : kProvided)
-    ENGRAM_RETURN_IF_ERROR(
-        provider->add(skill.description, [bus, function = skill.function](SkillRun& run) {
+    ENGRAM_RETURN_IF_ERROR(registered.provider->add(
+        skill.description, [bus, function = skill.function](SkillRun& run) {
           return end_of(carry_out(bus, function, run));
         }));
-  return provider;
+  ENGRAM_ASSIGN_OR_RETURN(registered.memory, connect_memory(remote));
+  auto navigation = KitchenNavigation::start(*registered.memory);
+  if (!navigation.ok()) {
+    say(fmt::format("there is no skill 'drive': {}", navigation.status().message()));
+    return registered;
+  }
+  registered.navigation = *std::move(navigation);
+  ENGRAM_RETURN_IF_ERROR(registered.navigation->add_to(*registered.provider, bus));
+  return registered;
 }
 
 }  // namespace
@@ -155,16 +175,17 @@ Status provide_kitchen_skills(const server::Endpoint& bus, const RemoteArguments
                               const std::stop_token& stop) {
   constexpr std::chrono::milliseconds kLook{100};
   constexpr Duration kBetweenTries = std::chrono::seconds(1);
-  std::unique_ptr<SkillProvider> provider;
+  std::optional<RegisteredSkills> registered;
   std::string said;
   SteadyTime next{};
   for (; !stop.stop_requested(); std::this_thread::sleep_for(kLook)) {
-    if (provider || steady_now() < next) continue;
-    auto made = register_skills(bus, remote);
+    if (registered || steady_now() < next) continue;
+    auto made = register_skills(bus, remote, say);
     next = steady_now() + kBetweenTries;
     if (made.ok()) {
-      provider = *std::move(made);
-      say("the skills look, approach, navigate, pick and place are registered");
+      registered = *std::move(made);
+      say(fmt::format("the skills look, approach, navigate, pick{} are registered",
+                      registered->navigation ? ", place and drive" : " and place"));
       continue;
     }
     if (made.status().code() == StatusCode::kInvalidArgument) return made.status();

@@ -19,6 +19,12 @@ entities:
 )"},
     {"balanced", R"(# Five snapshots a second, fewer while nothing changes, each exactly as it came.
 entities:
+  # What was done and said is never left out: each snapshot of it is news, and others link to it.
+  - match: Skills?|Speech|Tasks|Navigation
+    name: deeds
+    filters: []
+    codecs:
+      - {kind: image, codec: png}
   - match: .*
     name: everything
     filters:
@@ -36,6 +42,12 @@ entities:
 # robot's camera (640 x 480, 5 Hz) H.264 keeps 39.7 dB in 6.6 kB each, JPEG, where its encoder is
 # not installed, 44.1 dB in 42.4 kB.
 entities:
+  # What was done and said is never left out: each snapshot of it is news, and others link to it.
+  - match: Skills?|Speech|Tasks|Navigation
+    name: deeds
+    filters: []
+    codecs:
+      - {kind: image, codec: png}
   - match: .*
     name: everything
     filters:

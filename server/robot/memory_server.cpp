@@ -6,7 +6,7 @@
 #include "ltm/core/log.h"
 #include "server/client/names_client.h"
 #include "server/rpc/memory_rpc.h"
-#include "server/rpc/served_memory.h"
+#include "server/rpc/in_process_memory.h"
 #include "server/skills/skill_ids.h"
 
 namespace engram::server {
@@ -41,7 +41,7 @@ void start_skill_host(const MemoryServer::Options& options, RpcContext& context,
       // What is asked before it has started is carried out all the same.
       .carries_out_since = system_now()};
   SkillHost::OpenMemory open = options.skills->open;
-  if (!open) open = [&context] { return Result(served_memory(context)); };
+  if (!open) open = [&context] { return Result(in_process_memory(context)); };
   host = std::make_unique<SkillHost>(std::move(open), skilled);
   context.skills = [&host = *host] { return host.get(); };
   context.started_skills = [&host = *host] { return host.started(); };

@@ -123,13 +123,19 @@ TEST(RecordingConfig, HasPresetsThatParse) {
   for (const RecordingPreset& preset : all_recording_presets()) {
     const auto options = parse_recording_config(preset.yaml, std::string(preset.name));
     ASSERT_OK(options);
-    ASSERT_EQ(options->rules.size(), 1u);
-    EXPECT_TRUE(options->rules[0].match.matches(*MemoryId::parse("a/b/c/d")));
-    EXPECT_EQ(options->rules[0].filters.empty(), preset.name == "recorder");
+    ASSERT_FALSE(options->rules.empty());
+    EXPECT_TRUE(options->rules.back().match.matches(*MemoryId::parse("a/b/c/d")));
+    EXPECT_EQ(options->rules.back().filters.empty(), preset.name == "recorder");
+    // An end that follows a report within a frame must not be filtered out.
+    for (const char* deed : {"Skill/Event/arm/grasp", "Skills/Actions/robot/pick",
+                             "Speech/Commands/human/text", "Navigation/Plan/robot/drive"})
+      EXPECT_TRUE(options->rules.front().match.matches(*MemoryId::parse(deed)) &&
+                  options->rules.front().filters.empty())
+          << preset.name << " " << deed;
   }
   EXPECT_FAILS(recording_preset("tiny"), StatusCode::kNotFound, "recorder, balanced, small");
   const auto small = read(*recording_preset("small"));
-  EXPECT_FALSE(SealRules::create(small.rules[0].pack)->empty());
+  EXPECT_FALSE(SealRules::create(small.rules.back().pack)->empty());
 }
 
 TEST(RecordingConfig, NamesFileLineAndKeyOfWhatIsWrong) {

@@ -11,6 +11,6 @@ namespace engram::server {
 /// The memories of a server of this process, for a part of the server itself: without a network,
 /// and without a token. Closing it does nothing.
 /// `context` must outlive it.
-[[nodiscard]] std::unique_ptr<Memory> served_memory(RpcContext& context);
+[[nodiscard]] std::unique_ptr<Memory> in_process_memory(RpcContext& context);
 
 }  // namespace engram::server

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/rpc/served_memory.h"
+#include "server/rpc/in_process_memory.h"
 
 #include "memory/live/local_subscription.h"
 #include "server/rpc/memory_rpc.h"
@@ -8,9 +8,9 @@ namespace engram::server {
 
 namespace {
 
-class ServedMemory final : public Memory {
+class InProcessMemory final : public Memory {
  public:
-  explicit ServedMemory(RpcContext& context)
+  explicit InProcessMemory(RpcContext& context)
       : context_(context),
         // The context owns the hub, and outlives this.
         hub_(&context.hub, [](memory::EventHub*) {}) {}
@@ -66,8 +66,8 @@ class ServedMemory final : public Memory {
 
 }  // namespace
 
-std::unique_ptr<Memory> served_memory(RpcContext& context) {
-  return std::make_unique<ServedMemory>(context);
+std::unique_ptr<Memory> in_process_memory(RpcContext& context) {
+  return std::make_unique<InProcessMemory>(context);
 }
 
 }  // namespace engram::server
