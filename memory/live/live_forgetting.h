@@ -67,6 +67,9 @@ struct ForgettingParts {
   EraseTools tools;
   /// Calls with what answers questions, while nobody else asks.
   std::function<Status(const std::function<Status(ltm::Recall&)>&)> ask;
+  /// Has what precedes working memory pass into it, as far as a query selects it and the view sees
+  /// it: what is held there is found and forgotten as if it had been committed.
+  std::function<void(const ltm::Query&, const ltm::View*)> attend;
   /// Told what waited to be stored and never will be.
   std::function<void(std::span<const ltm::SharedSnapshot>)> unstored;
 };

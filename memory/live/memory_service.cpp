@@ -16,6 +16,9 @@ using ltm::MemoryId;
 Status MemoryService::Options::validate() const {
   if (name.empty()) return invalid_argument("server: found an empty name, needs one");
   ENGRAM_RETURN_IF_ERROR(memory.validate());
+  ENGRAM_RETURN_IF_ERROR(sensory.validate());
+  if (below && !sensory.segments.empty())
+    return invalid_argument("server '{}': found sensory segments beside a past, needs none", name);
   if (store && below)
     return invalid_argument("server '{}': found a store and a past in place of one, needs one",
                             name);
@@ -48,8 +51,16 @@ Result<std::unique_ptr<MemoryService>> MemoryService::open(const Options& option
   ENGRAM_ASSIGN_OR_RETURN(state->memory, ltm::WorkingMemory::create(held, clock));
   ENGRAM_RETURN_IF_ERROR(state->open_past(std::move(loader)));
   State& running = *state;
-  state->thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
-  return std::unique_ptr<MemoryService>(new MemoryService(std::move(state)));
+  auto service = std::unique_ptr<MemoryService>(new MemoryService(std::move(state)));
+  if (!options.sensory.segments.empty())
+    running.sensory = SensoryMemory::create(
+        options.sensory, options.max_entities,
+        [passing = service.get()](ltm::Commit commit, std::vector<std::vector<Buffer>> encoded) {
+          return passing->pass(std::move(commit), std::move(encoded));
+        },
+        clock);
+  running.thread = std::jthread([&running](const std::stop_token& stop) { running.run(stop); });
+  return service;
 }
 
 const MemoryService::Options& MemoryService::options() const {
@@ -163,6 +174,7 @@ Result<ForgetOutcome> MemoryService::forget(ForgetRequest request) {
 MemoryService::Counters MemoryService::counters() const {
   Counters counters;
   if (state_->redactor) counters.redaction = state_->redactor->counters();
+  if (state_->sensory) counters.sensory = state_->sensory->counts();
   counters.memory = state_->memory->counters();
   if (state_->store) counters.store = state_->store->counters();
   if (state_->past != nullptr && state_->past->store() != nullptr)
@@ -191,6 +203,7 @@ Status MemoryService::close() {
   state.stop_forgetting();
   state.thread.request_stop();
   state.thread.join();
+  if (state.sensory) state.sensory->close();
   // Waits for the commits that had passed their check before is_closed was set.
   { const ExclusiveLock last_commits(state.admitting); }
   state.memory->release_all();

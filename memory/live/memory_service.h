@@ -15,6 +15,7 @@
 #include "memory/live/live_forgetting.h"
 #include "memory/live/long_term.h"
 #include "memory/live/past_below.h"
+#include "memory/live/sensory_memory.h"
 
 namespace engram::memory {
 
@@ -44,6 +45,9 @@ class MemoryService {
     /// Max number of entities that the memory knows, those of the store included: each costs RAM as
     /// long as the server runs, wherever its snapshots are. Commits of further ones are refused.
     size_t max_entities = 1'000'000;
+    /// Which entities precede working memory in sensory memory. A past in place of a store has
+    /// none.
+    SensoryMemory::Options sensory;
     /// What erasing needs of the rooms that learn; empty: a store with models cannot be erased
     /// from.
     EraseTools erasing;
@@ -68,7 +72,8 @@ class MemoryService {
     uint64_t queries_of_store = 0;  ///< Queries that working memory alone could not answer.
     uint64_t predictions = 0;
     ltm::RedactionCounters redaction{};
-    uint64_t store_failures = 0;  ///< Failed attempts to hand over; what waits stays.
+    std::optional<SensoryCounts> sensory;  ///< Nothing where nothing is sensory.
+    uint64_t store_failures = 0;           ///< Failed attempts to hand over; what waits stays.
     std::string last_store_failure;
   };
 
@@ -94,6 +99,26 @@ class MemoryService {
   /// Durability::kJournal it is durable once when_stored() says so.
   Result<ltm::Admission> commit(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded = {},
                                 Durability durability = Durability::kMemory);
+
+  /// Holds those updates in sensory memory that may be lost, and leaves the others in the commit:
+  /// see SensoryMemory::hold. To be called ahead of commit(), unless the commit must not be lost.
+  /// Errors: kNotFound where no memory of this server has the ID; those of SensoryMemory::hold.
+  Status hold(ltm::Commit& commit, std::vector<std::vector<Buffer>>& encoded);
+
+  /// Opens attention to sensory entities for as long as the result lives, see
+  /// SensoryMemory::attend. What queries select is attended to without this. The second form is for
+  /// the entities that a pattern names ("Vision/.*/head/cam").
+  /// Errors: kInvalidArgument naming the pattern.
+  [[nodiscard]] Attention attend(SensoryMemory::Wanted is_wanted);
+  Result<Attention> attend(const std::string& names);
+
+  /// Sensory memory, for who has sources of his own; null where nothing is sensory.
+  [[nodiscard]] const std::shared_ptr<SensoryMemory>& sensory() const;
+
+  /// Sets who is told of what passes from sensory memory to working memory. Call it before anything
+  /// is committed.
+  using TellPassed = std::function<void(std::span<const ltm::SharedSnapshot> snapshots)>;
+  void tell_of_passed(TellPassed tell);
 
   /// Calls `done` once, from any thread, when the online phase has everything that was queued until
   /// `admission`, or failed to take it. After a failure it still waits and is tried again. The
@@ -172,6 +197,8 @@ class MemoryService {
 
  private:
   struct State;
+  /// Commits what sensory memory held, and tells who is told of it.
+  Status pass(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded);
   explicit MemoryService(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

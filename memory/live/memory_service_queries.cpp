@@ -52,8 +52,9 @@ ltm::KnownElsewhere MemoryService::State::elsewhere() const {
 
 std::optional<ltm::Answer> MemoryService::query_memory(const ltm::Query& query, size_t max_bytes,
                                                        const ltm::View* view) {
-  if (query.has_conditions()) return std::nullopt;
   State& state = *state_;
+  state.attend(query, view);
+  if (query.has_conditions()) return std::nullopt;
   // What lies below has to be looked at, whatever is here.
   if (state.options.below) return std::nullopt;
   ltm::Answer answer{query.is_ids_only(), {}};
@@ -85,6 +86,7 @@ Result<ltm::Answer> MemoryService::query(const ltm::Query& query, const std::str
   if (engine.empty())
     if (auto answer = query_memory(query)) return *std::move(answer);
   State& state = *state_;
+  state.attend(query, nullptr);
   ++state.queries;
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;
@@ -99,6 +101,7 @@ Result<ltm::Recall::AnswerCursor> MemoryService::begin_query(
     const ltm::Query& query, const std::string& engine, ltm::SharedView view,
     std::shared_ptr<const ltm::OtherContexts> others) {
   State& state = *state_;
+  state.attend(query, view.get());
   ++state.queries;
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;
@@ -125,6 +128,8 @@ Result<ltm::Answer> MemoryService::next_part(ltm::Recall::AnswerCursor& cursor, 
 Result<std::vector<ltm::SnapshotResult>> MemoryService::predict(
     const MemoryId& entity, const ltm::PredictionRequest& request, ltm::SharedView view) {
   State& state = *state_;
+  // What is predicted begins at the newest snapshot.
+  if (!request.from) state.attend(ltm::Query::of_entity(entity, ltm::select::Latest{}), view.get());
   ++state.queries;
   ++state.queries_of_store;
   ltm::Recall::Options options = state.recalling_options;

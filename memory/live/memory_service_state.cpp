@@ -123,6 +123,7 @@ ForgettingParts MemoryService::State::forgetting_parts() {
             const MutexLock lock(recalling);
             return with(*recall);
           },
+      .attend = [this](const ltm::Query& query, const ltm::View* view) { attend(query, view); },
       .unstored = [this](std::span<const ltm::SharedSnapshot> waited) { tell_unstored(waited); }};
 }
 
@@ -139,6 +140,7 @@ void MemoryService::State::run(const std::stop_token& stop) {
                     [this]() ENGRAM_REQUIRES(mutex) { return !waiters.empty(); });
     }
     memory->expire();
+    if (sensory) sensory->sweep(steady_now());
     // The status is told to waiters and logged by hand_over().
     const Status status = hand_over();
     if (!status.ok()) {

@@ -53,6 +53,8 @@ struct MemoryService::State {
   ltm::Recall::Options recalling_options;
   ltm::RecordedEntities nothing_recorded;  ///< Stands in for LongTerm::recorded() without a store.
 
+  std::shared_ptr<SensoryMemory> sensory;      ///< Null where nothing is sensory.
+  TellPassed tell_passed;                      ///< Set before anything is committed.
   std::optional<EntityRoom> room;              ///< Made with the past.
   std::optional<ltm::StoreLikeness> likeness;  ///< Made with the past; nothing without a store.
 
@@ -104,6 +106,11 @@ struct MemoryService::State {
   void count_answer(const ltm::Answer& answer);
 
   [[nodiscard]] ltm::KnownElsewhere elsewhere() const;
+
+  /// Opens the attention of a query to sensory entities.
+  void attend(const ltm::Query& query, const ltm::View* view) {
+    if (sensory) sensory->attend(query, view);
+  }
 };
 
 }  // namespace engram::memory
