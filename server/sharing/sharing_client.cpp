@@ -297,11 +297,16 @@ Result<std::unique_ptr<SharingClient>> SharingClient::connect(const std::filesys
 }
 
 Result<std::span<std::byte>> SharingClient::writable(const BlockRef& block) {
+  ENGRAM_ASSIGN_OR_RETURN(const KeptBlock kept, keep_writable(block));
+  return kept.bytes;
+}
+
+Result<SharingClient::KeptBlock> SharingClient::keep_writable(const BlockRef& block) {
   ENGRAM_ASSIGN_OR_RETURN(const auto mapping, state_->mapping_of(block));
   if (!mapping->is_writable())
     return invalid_argument("block of slab {}: is another's, needs one that was leased to us",
                             block.slab);
-  return mapping->writable().subspan(block.offset, block.capacity);
+  return KeptBlock{mapping, mapping->writable().subspan(block.offset, block.capacity)};
 }
 
 Result<Buffer> SharingClient::readable(const BlockRef& block, size_t bytes, OnRelease on_release) {

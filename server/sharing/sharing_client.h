@@ -49,6 +49,15 @@ class SharingClient {
   /// another writer's; those of SharedPool::open_slab.
   Result<std::span<std::byte>> writable(const BlockRef& block);
 
+  /// The memory of a block that stays mapped as long as `owner` lives, also after the server took
+  /// the block back: writing to it harms nobody then.
+  struct KeptBlock {
+    std::shared_ptr<const void> owner;
+    std::span<std::byte> bytes;
+  };
+  /// Errors: those of writable().
+  Result<KeptBlock> keep_writable(const BlockRef& block);
+
   /// Called when the last copy of a Buffer is destroyed, on that thread.
   using OnRelease = std::function<void(const BlockRef&)>;
 

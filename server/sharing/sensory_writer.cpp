@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/sharing/sensory_writer.h"
+
+#include <algorithm>
+
+#include "ltm/core/check.h"
+
+namespace engram::server {
+
+namespace {
+
+/// Entries begin at whole cache lines, and none is empty.
+constexpr size_t to_whole_lines(size_t bytes) {
+  return (std::max<size_t>(bytes, 1) + 63) / 64 * 64;
+}
+
+}  // namespace
+
+SensoryRingWriter::SensoryRingWriter(std::span<std::byte> memory, const SensoryControl& control,
+                                     Duration hold)
+    : memory_(memory), control_(control), hold_(hold), layout_(memory.size()) {
+  ENGRAM_CHECK(reinterpret_cast<uintptr_t>(memory.data()) % alignof(uint64_t) == 0,
+               "a ring begins at {}", static_cast<const void*>(memory.data()));
+  next_ = layout_.data_begin();
+  high_water_ = next_;
+}
+
+void SensoryRingWriter::set(size_t offset, uint64_t value, int order) {
+  auto* at = reinterpret_cast<uint64_t*>(memory_.data() + offset);
+  if (order == __ATOMIC_RELEASE)
+    __atomic_store_n(at, value, __ATOMIC_RELEASE);
+  else
+    __atomic_store_n(at, value, __ATOMIC_RELAXED);
+}
+
+std::optional<size_t> SensoryRingWriter::find_room(size_t bytes) {
+  // Behind the last entry, as long as that does not take pages that were never used.
+  if (next_ + bytes <= high_water_) {
+    const auto after = places_.lower_bound(next_);
+    const bool is_free = after == places_.begin() || std::prev(after)->second <= next_;
+    if (is_free && (after == places_.end() || after->first >= next_ + bytes)) return next_;
+  }
+  size_t begin = layout_.data_begin();
+  for (const auto& [offset, end] : places_) {
+    if (offset - begin >= bytes) return begin;
+    begin = end;
+  }
+  if (layout_.data_end() - begin < bytes) return std::nullopt;
+  return begin;
+}
+
+void SensoryRingWriter::free_oldest() {
+  places_.erase(live_.front().offset);
+  live_.pop_front();
+}
+
+/// Says which entries are overwritten from now on. This comes before the first byte is overwritten,
+/// and before a look at who attends: whoever opens attention looks in the other order, so that one
+/// of both sees the other.
+void SensoryRingWriter::announce(const Sync& sync) {
+  const uint64_t valid_from = written_ - live_.size();
+  if (valid_from == announced_) return;
+  announced_ = valid_from;
+  set(offsetof(SensoryLayout::Counts, valid_from), valid_from, __ATOMIC_RELEASE);
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+  if (control_.attended.load(std::memory_order_seq_cst) != 0 &&
+      control_.taken.load(std::memory_order_seq_cst) < valid_from)
+    sync();
+}
+
+Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, size_t data_bytes,
+                                                           SteadyTime now, const Sync& sync) {
+  if (head_bytes > layout_.data_bytes() || data_bytes > layout_.data_bytes() - head_bytes ||
+      to_whole_lines(head_bytes + data_bytes) > layout_.data_bytes())
+    return resource_exhausted("sensory ring: an entry has {} bytes, needs at most {}",
+                              head_bytes + data_bytes, layout_.data_bytes());
+  const size_t bytes = to_whole_lines(head_bytes + data_bytes);
+  while (!live_.empty() && now - live_.front().came > hold_) free_oldest();
+  std::optional<size_t> offset;
+  while (live_.size() >= layout_.slots() || !(offset = find_room(bytes))) {
+    crowded_out_ += live_.front().snapshots;
+    free_oldest();
+  }
+  set(offsetof(SensoryLayout::Counts, crowded_out), crowded_out_, __ATOMIC_RELAXED);
+  announce(sync);
+  reserved_ = {written_, 0, 0, *offset, head_bytes, data_bytes};
+  const std::span<std::byte> room = memory_.subspan(*offset, head_bytes + data_bytes);
+  return Room{room.first(data_bytes), room.subspan(data_bytes)};
+}
+
+uint64_t SensoryRingWriter::publish(uint64_t entities, uint64_t snapshots, SteadyTime now) {
+  const size_t slot = layout_.slot_of(written_);
+  const uint64_t said[] = {written_,
+                           entities,
+                           static_cast<uint64_t>(now.time_since_epoch().count()),
+                           reserved_.offset,
+                           reserved_.head_bytes,
+                           reserved_.data_bytes};
+  for (size_t i = 0; i < std::size(said); ++i)
+    set(slot + i * sizeof(uint64_t), said[i], __ATOMIC_RELAXED);
+  const size_t end = reserved_.offset + to_whole_lines(reserved_.head_bytes + reserved_.data_bytes);
+  live_.push_back({reserved_.offset, end - reserved_.offset, snapshots, now});
+  places_.emplace(reserved_.offset, end);
+  next_ = end;
+  high_water_ = std::max(high_water_, end);
+  snapshots_ += snapshots;
+  set(offsetof(SensoryLayout::Counts, snapshots), snapshots_, __ATOMIC_RELAXED);
+  set(offsetof(SensoryLayout::Counts, written), written_ + 1, __ATOMIC_RELEASE);
+  // Before the look at who attends, for the same reason as in announce().
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+  return written_++;
+}
+
+bool SensoryRingWriter::is_attended(uint64_t entities) const {
+  return (control_.attended.load(std::memory_order_seq_cst) & entities) != 0;
+}
+
+bool SensoryRingWriter::is_closed() const {
+  return control_.is_closed.load(std::memory_order_seq_cst) != 0;
+}
+
+}  // namespace engram::server

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+
+#include "ltm/core/time.h"
+#include "server/sharing/sensory_ring.h"
+
+namespace engram::server {
+
+/// The provider's end of a ring, which it alone writes.
+///
+/// An entry stays for the time to hold and, beyond that, until its room is needed. Room is taken
+/// where it is free lowest in memory, so that a ring costs RAM for what it holds and not for its
+/// size.
+/// Threading: one thread.
+/// Source: docs/sensory.md.
+class SensoryRingWriter {
+ public:
+  /// Both memories must outlive it; `control` is written by the server. Needs as much as
+  /// SensoryRingReader does (checked).
+  SensoryRingWriter(std::span<std::byte> memory, const SensoryControl& control, Duration hold);
+
+  /// Room for one entry, until the next call of reserve().
+  struct Room {
+    std::span<std::byte> data;
+    std::span<std::byte> head;
+  };
+
+  /// Asks the server to take what it still needs, and waits until it did. Nothing can be done where
+  /// it does not answer.
+  using Sync = std::function<void()>;
+
+  /// Makes room for an entry. Entries whose time is over make room, then the oldest ones, which is
+  /// counted; before the server has lost any that passes, it is asked.
+  /// Errors: kResourceExhausted if the ring is smaller.
+  Result<Room> reserve(size_t head_bytes, size_t data_bytes, SteadyTime now, const Sync& sync);
+
+  /// Shows the entry that reserve() made room for, of `snapshots` snapshots. Returns its number.
+  uint64_t publish(uint64_t entities, uint64_t snapshots, SteadyTime now);
+
+  /// Whether anybody attends to one of these entities. After publish(), an entry passes for sure:
+  /// either this says so and the server is to be told, or the server sees it by itself.
+  [[nodiscard]] bool is_attended(uint64_t entities) const;
+  [[nodiscard]] bool is_closed() const;
+
+  /// The number of entries so far.
+  [[nodiscard]] uint64_t written() const { return written_; }
+
+ private:
+  struct Live {
+    size_t offset = 0;
+    size_t bytes = 0;
+    uint64_t snapshots = 0;
+    SteadyTime came;
+  };
+
+  void set(size_t offset, uint64_t value, int order);
+  [[nodiscard]] std::optional<size_t> find_room(size_t bytes);
+  /// Forgets the oldest entry; its bytes are free.
+  void free_oldest();
+  void announce(const Sync& sync);
+
+  std::span<std::byte> memory_;
+  const SensoryControl& control_;
+  const Duration hold_;
+  const SensoryLayout layout_;
+  std::deque<Live> live_;            ///< The oldest first.
+  std::map<size_t, size_t> places_;  ///< Of those: the end by the offset.
+  uint64_t written_ = 0;
+  uint64_t announced_ = 0;  ///< The first entry that is not overwritten, as others know it.
+  uint64_t snapshots_ = 0;
+  uint64_t crowded_out_ = 0;
+  size_t next_ = 0;        ///< Where the last entry ended.
+  size_t high_water_ = 0;  ///< No entry has gone beyond it.
+  SensoryEntry reserved_;
+};
+
+}  // namespace engram::server

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/sharing/sensory_ring.h"
+
+#include <gmock/gmock.h>
+
+#include <cstring>
+#include <random>
+#include <thread>
+
+#include "server/sharing/sensory_writer.h"
+#include "tests/ltm/expect_status.h"
+
+namespace engram::server {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+/// A ring in the memory of this process, with both of its ends.
+class SensoryRingTest : public ::testing::Test {
+ protected:
+  explicit SensoryRingTest(size_t bytes = kMinSensoryRing) : words_(bytes / 8) {}
+
+  std::span<std::byte> memory() { return std::as_writable_bytes(std::span(words_)); }
+
+  /// Writes an entry whose bytes all are the same.
+  uint64_t write(size_t bytes, int value, SteadyTime now, uint64_t entities = 1) {
+    auto room = writer_.reserve(16, bytes, now, [this] { ++synced_; });
+    EXPECT_OK(room);
+    std::ranges::fill(room->data, std::byte(value));
+    std::ranges::fill(room->head, std::byte(value));
+    return writer_.publish(entities, 1, now);
+  }
+
+  /// The value that all bytes of an entry have; nothing if it is gone.
+  std::optional<int> read(uint64_t sequence) {
+    const auto entry = reader_.find(sequence);
+    if (!entry) return std::nullopt;
+    std::vector<std::byte> bytes(entry->head_bytes + entry->data_bytes);
+    if (!reader_.copy(*entry, 0, bytes)) return std::nullopt;
+    for (const std::byte one : bytes)
+      if (one != bytes[0]) return -1;
+    return static_cast<int>(bytes[0]);
+  }
+
+  std::vector<int> readable() {
+    std::vector<int> values;
+    const auto range = reader_.entries();
+    for (uint64_t sequence = range.first; sequence < range.end; ++sequence)
+      values.push_back(read(sequence).value_or(-2));
+    return values;
+  }
+
+  std::vector<uint64_t> words_;
+  SensoryControl control_;
+  SensoryRingWriter writer_{memory(), control_, 500ms};
+  SensoryRingReader reader_{memory()};
+  int synced_ = 0;
+};
+
+TEST_F(SensoryRingTest, AFreshRingHasNothing) {
+  EXPECT_THAT(readable(), IsEmpty());
+  EXPECT_FALSE(reader_.find(0).has_value());
+}
+
+TEST_F(SensoryRingTest, KeepsEntriesForTheirTime) {
+  const SteadyTime now = steady_now();
+  for (int i = 0; i < 5; ++i) write(1000, i, now + i * 100ms);
+  EXPECT_THAT(readable(), ElementsAre(0, 1, 2, 3, 4));
+  write(1000, 5, now + 501ms);
+  EXPECT_THAT(readable(), ElementsAre(1, 2, 3, 4, 5));
+  EXPECT_EQ(reader_.crowded_out(), 0u);
+  EXPECT_EQ(reader_.snapshots(), 6u);
+}
+
+TEST_F(SensoryRingTest, CountsWhatIsCrowdedOut) {
+  const SteadyTime now = steady_now();
+  for (int i = 0; i < 8; ++i) write(15'000, i, now);
+  EXPECT_THAT(readable(), ElementsAre(4, 5, 6, 7)) << "60 KiB are for data";
+  EXPECT_EQ(reader_.crowded_out(), 4u);
+}
+
+TEST_F(SensoryRingTest, RefusesAnEntryThatNeverFits) {
+  for (const size_t bytes : {kMinSensoryRing, SIZE_MAX - 8, SIZE_MAX})
+    EXPECT_FAILS(writer_.reserve(16, bytes, steady_now(), [] {}), StatusCode::kResourceExhausted,
+                 "sensory ring: an entry has");
+  EXPECT_THAT(readable(), IsEmpty());
+}
+
+TEST_F(SensoryRingTest, HasASlotForEachEntryThatIsThere) {
+  const SteadyTime now = steady_now();
+  for (int i = 0; i < 1000; ++i) write(0, i % 256, now);
+  const auto values = readable();
+  EXPECT_EQ(values.size(), 64u);
+  for (size_t i = 0; i < values.size(); ++i)
+    EXPECT_EQ(values[i], static_cast<int>((1000 - values.size() + i) % 256));
+}
+
+TEST_F(SensoryRingTest, TakesNoMoreMemoryThanItHolds) {
+  SteadyTime now = steady_now();
+  uint64_t end = 0;
+  for (int i = 0; i < 2000; ++i, now += 100ms) {
+    const auto entry = reader_.find(write(3000, i % 256, now));
+    ASSERT_TRUE(entry.has_value());
+    end = std::max(end, entry->offset + entry->head_bytes + entry->data_bytes);
+  }
+  // Six are held at most, while one more is written.
+  EXPECT_LE(end - SensoryLayout(kMinSensoryRing).data_begin(), 7u * 3072u);
+  EXPECT_EQ(reader_.crowded_out(), 0u);
+}
+
+TEST_F(SensoryRingTest, AsksTheServerBeforeWhatItNeedsIsOverwritten) {
+  const SteadyTime now = steady_now();
+  write(1000, 1, now);
+  write(1000, 2, now);
+  write(1000, 3, now + 1s);
+  EXPECT_EQ(synced_, 0) << "nobody attends";
+  control_.attended = 2;
+  control_.taken = 3;
+  write(1000, 4, now + 2s);
+  EXPECT_EQ(synced_, 0) << "the server has it";
+  write(1000, 5, now + 3s);
+  EXPECT_EQ(synced_, 1);
+  EXPECT_TRUE(writer_.is_attended(3));
+  EXPECT_FALSE(writer_.is_attended(1));
+  EXPECT_FALSE(writer_.is_closed());
+  control_.is_closed = 1;
+  EXPECT_TRUE(writer_.is_closed());
+}
+
+TEST_F(SensoryRingTest, ACopyOfWhatIsOverwrittenMeanwhileIsOfNoUse) {
+  const SteadyTime now = steady_now();
+  const auto entry = reader_.find(write(1000, 1, now));
+  ASSERT_TRUE(entry.has_value());
+  std::vector<std::byte> bytes(10);
+  EXPECT_TRUE(reader_.copy(*entry, 1006, bytes));
+  EXPECT_FALSE(reader_.copy(*entry, 1007, bytes)) << "beyond its end";
+  EXPECT_FALSE(reader_.copy(*entry, UINT64_MAX, bytes));
+  write(1000, 2, now + 1s);
+  EXPECT_FALSE(reader_.copy(*entry, 0, bytes));
+  EXPECT_FALSE(reader_.find(0).has_value());
+}
+
+TEST_F(SensoryRingTest, BelievesNothingThatTheRingSays) {
+  const SteadyTime now = steady_now();
+  const uint64_t sequence = write(1000, 1, now);
+  const size_t slot = SensoryLayout(kMinSensoryRing).slot_of(sequence) / 8;
+  const auto with = [&](size_t word, uint64_t value) {
+    const uint64_t before = std::exchange(words_[slot + word], value);
+    const bool is_found = reader_.find(sequence).has_value();
+    words_[slot + word] = before;
+    return is_found;
+  };
+  ASSERT_TRUE(with(1, 1));
+  EXPECT_FALSE(with(0, 5)) << "another entry";
+  for (const size_t word : {3, 4, 5})
+    for (const uint64_t value : {uint64_t{1} << 20, UINT64_MAX, UINT64_MAX - 63})
+      EXPECT_FALSE(with(word, value)) << word << " " << value;
+  EXPECT_FALSE(with(3, 0)) << "the counts are no data";
+  words_[1] = UINT64_MAX;
+  words_[0] = 0;
+  const auto range = reader_.entries();
+  EXPECT_EQ(range.end - range.first, 64u);
+  words_[0] = UINT64_MAX;
+  EXPECT_EQ(reader_.entries().first, reader_.entries().end);
+}
+
+TEST_F(SensoryRingTest, GarbageIsReadWithinBounds) {
+  std::mt19937_64 random(1);
+  for (int round = 0; round < 200; ++round) {
+    for (uint64_t& word : words_) word = random() >> (random() % 64);
+    const auto range = reader_.entries();
+    ASSERT_LE(range.end - range.first, 64u);
+    for (uint64_t sequence = range.first; sequence < range.end; ++sequence) read(sequence);
+  }
+}
+
+/// A writer that goes on as fast as it can while its entries are copied.
+class BusyRingTest : public SensoryRingTest {
+ protected:
+  BusyRingTest() : SensoryRingTest(size_t{1} << 20) {}
+};
+
+TEST_F(BusyRingTest, NoTornEntryIsTakenForWhole) {
+  std::jthread writing([this](const std::stop_token& stop) {
+    for (int i = 0; !stop.stop_requested(); ++i)
+      // Nothing is held for its time: there is room for some entries only.
+      write(100'000 + 1000 * static_cast<size_t>(i % 7), i % 200, steady_now());
+  });
+  uint64_t whole = 0;
+  uint64_t gone = 0;
+  const SteadyTime end = steady_now() + 2s;
+  while (steady_now() < end || gone == 0) {
+    const auto range = reader_.entries();
+    if (range.first == range.end) continue;
+    // The next one that is overwritten.
+    const auto value = read(range.first);
+    ASSERT_NE(value, -1);
+    if (value) {
+      ASSERT_EQ(*value, static_cast<int>(range.first % 200));
+    }
+    ++(value ? whole : gone);
+  }
+  EXPECT_GT(whole, 100u);
+}
+
+}  // namespace
+}  // namespace engram::server
