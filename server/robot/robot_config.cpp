@@ -247,7 +247,7 @@ class RobotReader {
     ENGRAM_RETURN_IF_ERROR(read_choice(map, "durability", options.durability, kDurabilities));
     if (options.durability == memory::MemoryService::Durability::kJournal && !service.store)
       return map.find("durability")->error("needs a 'store' beside it");
-    ENGRAM_RETURN_IF_ERROR(read_working_memory(map, options.service.memory, server.min_bytes));
+    ENGRAM_RETURN_IF_ERROR(read_working_memory(map, service.memory, service.sensory, server.min_bytes));
     ENGRAM_RETURN_IF_ERROR(read_path(map, "prior", server.prior));
     ENGRAM_RETURN_IF_ERROR(map.read(kMaxHorizonKey, service.max_horizon, &ConfigValue::duration));
     std::optional<size_t> max_entities;

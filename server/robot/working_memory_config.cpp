@@ -18,7 +18,38 @@ Status read_limits(ConfigMap& map, ltm::MemoryLimits& limits) {
   return status.ok() ? status : map.value().error(status);
 }
 
-Status read_segments(ConfigMap& map, ltm::WorkingMemory::Options& memory) {
+/// Reads how long a segment is held, where the entry says it.
+Status read_hold(ConfigMap& entry, const ltm::MemoryId& match,
+                 memory::SensoryMemory::Options& sensory) {
+  const auto value = entry.find("sensory");
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(const Duration hold, value->duration());
+  memory::SensoryMemory::Options with = sensory;
+  with.segments.push_back({match, hold});
+  if (const Status status = with.validate(); !status.ok()) return value->error(status);
+  sensory = std::move(with);
+  return {};
+}
+
+/// Reads what holds for all sensory segments.
+Status read_sensory_memory(ConfigMap& map, memory::SensoryMemory::Options& sensory) {
+  const auto value = map.find("sensory_memory");
+  if (!value) return {};
+  ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());
+  if (sensory.segments.empty())
+    return value->error("needs an entry of 'segments' that is sensory beside it");
+  std::optional<size_t> bytes;
+  ENGRAM_RETURN_IF_ERROR(entry.read("ring", bytes, &ConfigValue::bytes));
+  sensory.ring_bytes = bytes.value_or(sensory.ring_bytes);
+  ENGRAM_RETURN_IF_ERROR(
+      entry.read("queries_attend", sensory.query_attention, &ConfigValue::duration));
+  ENGRAM_RETURN_IF_ERROR(entry.finish());
+  const Status status = sensory.validate();
+  return status.ok() ? status : value->error(status);
+}
+
+Status read_segments(ConfigMap& map, ltm::WorkingMemory::Options& memory,
+                     memory::SensoryMemory::Options& sensory) {
   const auto value = map.find("segments");
   if (!value) return {};
   ENGRAM_ASSIGN_OR_RETURN(const auto values, value->list());
@@ -37,10 +68,12 @@ Status read_segments(ConfigMap& map, ltm::WorkingMemory::Options& memory) {
       ENGRAM_ASSIGN_OR_RETURN(const Duration max, ahead->duration_or_never());
       memory.ahead.parts.emplace_back(segment.segment, max);
     }
+    const size_t sensory_before = sensory.segments.size();
+    ENGRAM_RETURN_IF_ERROR(read_hold(entry, segment.segment, sensory));
     ENGRAM_RETURN_IF_ERROR(entry.finish());
     const bool has_limit = segment.limits.snapshots || segment.limits.bytes || segment.limits.age;
-    if (!has_limit && !ahead)
-      return each.error("has no limit, needs bytes, snapshots, age or max_ahead");
+    if (!has_limit && !ahead && sensory.segments.size() == sensory_before)
+      return each.error("has no limit, needs bytes, snapshots, age, max_ahead or sensory");
     if (has_limit) memory.segments.push_back(std::move(segment));
   }
   return {};
@@ -58,8 +91,9 @@ Status read_count(ConfigMap& map, std::string_view key, std::optional<size_t>& o
 }
 
 Status read_working_memory(ConfigMap& map, ltm::WorkingMemory::Options& memory,
-                           uint64_t& min_bytes) {
-  ENGRAM_RETURN_IF_ERROR(read_segments(map, memory));
+                           memory::SensoryMemory::Options& sensory, uint64_t& min_bytes) {
+  ENGRAM_RETURN_IF_ERROR(read_segments(map, memory, sensory));
+  ENGRAM_RETURN_IF_ERROR(read_sensory_memory(map, sensory));
   const auto value = map.find("working_memory");
   if (value) {
     ENGRAM_ASSIGN_OR_RETURN(ConfigMap entry, value->map());

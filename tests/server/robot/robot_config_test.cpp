@@ -134,6 +134,47 @@ servers:
   EXPECT_EQ(scratch.memory.store_interval, std::chrono::seconds(5));
 }
 
+TEST(RobotConfig, ReadsWhatIsSensory) {
+  const auto config = parse(R"(
+servers:
+  - store: a
+    segments:
+      - {match: Vision/RGB, sensory: 500ms}
+      - {match: Vision/Depth/head, sensory: 2s, snapshots: 10}
+      - {match: Hand, snapshots: 5}
+    sensory_memory: {ring: 128MiB, queries_attend: 3s}
+)");
+  ASSERT_TRUE(config.ok()) << config.status().to_string();
+  const memory::MemoryService::Options& service = config->servers[0].options.service;
+  ASSERT_THAT(service.sensory.segments, SizeIs(2));
+  EXPECT_EQ(service.sensory.segments[0].match.to_string(), "Vision/RGB");
+  EXPECT_EQ(service.sensory.segments[0].hold, std::chrono::milliseconds(500));
+  EXPECT_EQ(service.sensory.segments[1].hold, std::chrono::seconds(2));
+  EXPECT_EQ(service.sensory.ring_bytes, size_t{128} << 20);
+  EXPECT_EQ(service.sensory.query_attention, std::chrono::seconds(3));
+  EXPECT_THAT(service.memory.segments, SizeIs(2));
+}
+
+TEST(RobotConfig, NamesWhatIsWrongWithWhatIsSensory) {
+  const auto of = [](const std::string& segments, const std::string& more = "") {
+    return problem("servers:\n  - store: a\n    segments: [" + segments + "]\n" + more);
+  };
+  EXPECT_THAT(of("{match: Vision, sensory: 11s}"),
+              HasSubstr("robot.yaml:3: 'servers[0].segments[0].sensory': sensory: found 11s for "
+                        "'Vision', needs 1ms to 10s"));
+  EXPECT_THAT(of("{match: Vision, sensory: 100us}"), HasSubstr("needs 1ms to 10s"));
+  EXPECT_THAT(of("{match: Vision, sensory: soon}"), HasSubstr("soon"));
+  EXPECT_THAT(of("{match: Vision, sensory: 1s}, {match: Vision, sensory: 2s}"),
+              HasSubstr("found 'Vision' twice"));
+  EXPECT_THAT(of("{match: Vision, sensry: 1s}"), HasSubstr("did you mean 'sensory'?"));
+  EXPECT_THAT(of("{match: Vision, sensory: 1s}", "    sensory_memory: {ring: 1KiB}"),
+              HasSubstr("found a ring of 1024 bytes"));
+  EXPECT_THAT(of("{match: Vision, sensory: 1s}", "    sensory_memory: {queries_attend: 2min}"),
+              HasSubstr("attend for 2min"));
+  EXPECT_THAT(of("{match: Vision, snapshots: 1}", "    sensory_memory: {ring: 1MiB}"),
+              HasSubstr("needs an entry of 'segments' that is sensory"));
+}
+
 TEST(RobotConfig, TakesOldNamesOfKeysWithAWarning) {
   ::testing::internal::CaptureStderr();
   const auto config = parse(
