@@ -15,6 +15,7 @@
 #include "server/client/open_channel.h"
 #include "server/client/part_queue.h"
 #include "server/client/remote_subscription.h"
+#include "server/client/sensory_lane.h"
 #include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/polling_threads.h"
@@ -30,6 +31,8 @@ constexpr auto kFirstRetry = std::chrono::milliseconds(20);
 /// How long the client waits before it asks again for shared memory that the server did not offer.
 constexpr auto kShareAgainAfter = std::chrono::seconds(1);
 constexpr auto kMaxRetry = std::chrono::milliseconds(500);
+/// As many as a server is believed to have.
+constexpr size_t kMaxSensorySegments = 1024;
 
 /// Calls `call`, and repeats it until `deadline` while it returns kUnavailable.
 template <typename Call>
@@ -65,6 +68,7 @@ struct Awaited {
 struct SharedCommits {
   std::shared_ptr<SharedLane> lane;
   std::shared_ptr<Calls<v1::CommitReply>> calls;
+  std::shared_ptr<SensoryLane> sensory;
 };
 
 Forgotten to_forgotten(const v1::ForgetReply& reply) {
@@ -101,6 +105,11 @@ struct MemoryClient::State {
   /// The earliest time for the next try.
   SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};
 
+  /// The sensory segments that the server told of so far. Most servers have none.
+  std::atomic<bool> has_sensory{false};
+  SharedMutex sensory_mutex;
+  std::vector<ltm::MemoryId> sensory ENGRAM_GUARDED_BY(sensory_mutex);
+
   /// Returns the shared memory with the server. Asks the server for it if there is none; returns an
   /// empty value if the server is on another host or does not offer it.
   SharedCommits shared() ENGRAM_EXCLUDES(sharing_mutex) {
@@ -116,7 +125,86 @@ struct MemoryClient::State {
     }
     sharing.calls = std::make_shared<Calls<v1::CommitReply>>(
         channel, "/engram.v1.MemoryServer/Commit", options.token, sharing.lane->session());
+    sharing.sensory = std::make_shared<SensoryLane>(
+        sharing.lane, [this, calls = sharing.calls](v1::CommitRequest request) {
+          return ask_for_commit(*calls, std::move(request));
+        });
     return sharing;
+  }
+
+  /// Sends a request and waits for its reply.
+  /// Errors: that of the reply; kUnavailable.
+  Result<v1::CommitReply> ask_for_commit(Calls<v1::CommitReply>& calls, v1::CommitRequest request) {
+    auto awaited = std::make_shared<Awaited<Result<v1::CommitReply>>>();
+    send(calls, request,
+         {[awaited](v1::CommitReply& reply) {
+            if (const Status status = to_status(reply.outcome()); !status.ok())
+              awaited->set(status);
+            else
+              awaited->set(std::move(reply));
+            return true;
+          },
+          [awaited](const Status& status) { awaited->set(status); }});
+    return wait(awaited, steady_now() + options.timeout);
+  }
+
+  static void send(Calls<v1::CommitReply>& calls, v1::CommitRequest& request,
+                   Calls<v1::CommitReply>::Pending pending) {
+    calls.call(
+        [&request](uint64_t number) {
+          request.set_number(number);
+          return to_bytes(request);
+        },
+        std::move(pending));
+  }
+
+  /// Notes which segments are sensory: their next commits need not be sent.
+  void learn(const v1::CommitReply& reply) ENGRAM_EXCLUDES(sensory_mutex) {
+    if (!is_local || reply.sensory_size() == 0) return;
+    const ExclusiveLock lock(sensory_mutex);
+    for (const std::string& text : reply.sensory()) {
+      auto id = ltm::MemoryId::parse(text);
+      if (!id.ok() || std::ranges::find(sensory, *id) != sensory.end()) continue;
+      if (sensory.size() >= kMaxSensorySegments) return;
+      sensory.push_back(*std::move(id));
+      has_sensory = true;
+    }
+  }
+
+  [[nodiscard]] bool is_sensory(const ltm::Commit& commit) ENGRAM_EXCLUDES(sensory_mutex) {
+    if (!has_sensory) return false;
+    const SharedLock lock(sensory_mutex);
+    return std::ranges::all_of(
+        commit.updates,
+        [this](const ltm::EntityUpdate& update) ENGRAM_REQUIRES_SHARED(sensory_mutex) {
+          return std::ranges::any_of(
+              sensory, [&](const ltm::MemoryId& id) { return id.is_prefix_of(update.entity); });
+        });
+  }
+
+  /// Writes a commit into the client's ring, and tells the server where somebody attends. Returns
+  /// false if it must be sent. A durable commit must not be lost, so it is sent.
+  bool hold(const ltm::Commit& commit, CommitDurability durability,
+            const std::function<void(const Status&)>& done) {
+    if (durability == CommitDurability::kJournal || !is_sensory(commit) || !commit.check().ok())
+      return false;
+    const SharedCommits with = shared();
+    if (!with.sensory) return false;
+    auto written = with.sensory->write(commit);
+    if (!written) return false;
+    if (!written->ok() || !(*written)->is_attended) {
+      done(written->status());
+      return true;
+    }
+    v1::CommitRequest request;
+    *request.mutable_entry() = (*written)->entry;
+    send(*with.calls, request,
+         {[done](v1::CommitReply& reply) {
+            done(to_status(reply.outcome()));
+            return true;
+          },
+          done});
+    return true;
   }
 
   /// Returns a block to write into, or nothing if the server has no room.
@@ -167,17 +255,14 @@ struct MemoryClient::State {
     *request.mutable_block() = to_message(*block);
     request.set_lease_bytes(bytes);
     request.set_lease_memory(*memory);
-    with.calls->call(
-        [&request](uint64_t number) {
-          request.set_number(number);
-          return to_bytes(request);
-        },
-        {[done, lane = with.lane, memory = *memory](v1::CommitReply& reply) {
-           if (reply.has_block()) lane->keep_lease(memory, to_block(reply.block()));
-           done(to_status(reply.outcome()));
-           return true;
-         },
-         done});
+    send(*with.calls, request,
+         {[this, done, lane = with.lane, memory = *memory](v1::CommitReply& reply) {
+            learn(reply);
+            if (reply.has_block()) lane->keep_lease(memory, to_block(reply.block()));
+            done(to_status(reply.outcome()));
+            return true;
+          },
+          done});
     return true;
   }
 
@@ -312,7 +397,7 @@ Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& e
 
 void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability,
                           std::function<void(const Status&)> done) {
-  if (state_->share(commit, durability, done)) return;
+  if (state_->hold(commit, durability, done) || state_->share(commit, durability, done)) return;
   v1::CommitRequest request;
   request.set_durability(to_message(durability));
   for (const ltm::EntityUpdate& update : commit.updates) {
@@ -323,16 +408,13 @@ void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability
     }
     *request.add_updates() = *std::move(message);
   }
-  state_->commits->call(
-      [&request](uint64_t number) {
-        request.set_number(number);
-        return to_bytes(request);
-      },
-      {[done](v1::CommitReply& reply) {
-         done(to_status(reply.outcome()));
-         return true;
-       },
-       done});
+  State::send(*state_->commits, request,
+              {[state = state_.get(), done](v1::CommitReply& reply) {
+                 state->learn(reply);
+                 done(to_status(reply.outcome()));
+                 return true;
+               },
+               done});
 }
 
 Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability) {

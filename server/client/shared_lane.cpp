@@ -76,8 +76,7 @@ std::optional<std::string> memory_of(const ltm::Commit& commit) {
   return memory;
 }
 
-Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
-                      v1::CommitRequest& request) {
+void describe_in_block(const ltm::Commit& commit, v1::CommitRequest& request) {
   size_t at = 0;
   for (const ltm::EntityUpdate& update : commit.updates) {
     v1::Snapshot& message = *request.add_updates();
@@ -86,14 +85,29 @@ Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
       v1::Instance& one = *message.add_instances();
       set_metadata(one, instance.metadata);
       const size_t size = idf::encoded_size(instance.data);
-      ENGRAM_RETURN_IF_ERROR(idf::encode_into(instance.data, out.subspan(at, size)));
       one.mutable_shared()->set_offset(at);
       one.mutable_shared()->set_size(size);
       at += aligned(size);
     }
   }
   request.set_block_bytes(at);
+}
+
+Status write_data(const ltm::Commit& commit, std::span<std::byte> out) {
+  size_t at = 0;
+  for (const ltm::EntityUpdate& update : commit.updates)
+    for (const ltm::Instance& instance : update.instances) {
+      const size_t size = idf::encoded_size(instance.data);
+      ENGRAM_RETURN_IF_ERROR(idf::encode_into(instance.data, out.subspan(at, size)));
+      at += aligned(size);
+    }
   return {};
+}
+
+Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
+                      v1::CommitRequest& request) {
+  describe_in_block(commit, request);
+  return write_data(commit, out);
 }
 
 }  // namespace engram::server

@@ -59,8 +59,15 @@ class SharedLane {
 /// The memory that all updates belong to; nothing if they belong to several.
 [[nodiscard]] std::optional<std::string> memory_of(const ltm::Commit& commit);
 
-/// Writes the data of a commit to `out`, and everything else to `request`.
+/// Writes to `request` what a commit says besides its data, and where these lie in a block.
+void describe_in_block(const ltm::Commit& commit, v1::CommitRequest& request);
+
+/// Writes the data of a commit to `out`, where describe_in_block() says.
 /// Errors: kInvalidArgument if a value nests too deep.
+Status write_data(const ltm::Commit& commit, std::span<std::byte> out);
+
+/// Both.
+/// Errors: those of write_data().
 Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
                       v1::CommitRequest& request);
 

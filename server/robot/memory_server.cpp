@@ -86,10 +86,15 @@ Result<std::unique_ptr<MemoryServer>> MemoryServer::start(const Options& options
             endpoint.path() + ".memory", *options.sharing,
             [context = state->context.get()](const std::string& who, const std::string& memory) {
               return context->audited(who, "share", memory, {});
-            }));
+            },
+            [context = state->context.get()](ClientId client) { context->rings.end(client); }));
     break;
   }
   if (may_have_skills(options)) start_skill_host(options, *state->context, state->skills);
+  state->service->tell_of_passed(
+      [told = state->context.get()](std::span<const ltm::SharedSnapshot> passed) {
+        publish(*told, passed);
+      });
   state->rpc = make_memory_rpc(*state->context);
   ENGRAM_ASSIGN_OR_RETURN(state->server, RpcServer::start(options.rpc, {state->rpc.get()}));
   ENGRAM_RETURN_IF_ERROR(state->context->audited(

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/commit_stream.h"
 
+#include <algorithm>
+
 #include "server/rpc/wire_event.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_block.h"
@@ -36,8 +38,23 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
     reply(number, {}, lease(message));
     return {};
   }
+  if (message.sensory_entities_size() > 0) {
+    reply_with_ring(message);
+    return {};
+  }
+  if (message.has_entry() && message.entry().written() == 0) {
+    reply(number, pass(message.entry()));
+    return {};
+  }
   context_.metrics.commits.add();
-  auto admission = commit(message, durability);
+  if (message.has_entry()) {
+    const Status passed = pass(message.entry());
+    if (!passed.ok()) context_.metrics.refused_commits.add();
+    reply(number, passed);
+    return {};
+  }
+  SensoryNames sensory;
+  auto admission = commit(message, durability, sensory);
   if (!admission.ok()) {
     context_.metrics.refused_commits.add();
     reply(number, admission.status());
@@ -48,20 +65,21 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
   // subscribers the reply goes first, so that the writer does not wait for its readers.
   const bool is_told_first = context_.hub.size() <= 1;
   if (is_told_first) publish(*admission);
-  if (durability == Durability::kMemory) reply(number, {}, leased);
+  if (durability == Durability::kMemory) reply(number, {}, leased, sensory);
   if (!is_told_first) publish(*admission);
   if (durability == Durability::kMemory) return {};
   promise();
   admission->gone.clear();
-  context_.service.when_stored(
-      *admission, [kept = shared_from_this(), this, number, leased](const Status& status) {
-        reply(number, status, leased);
-        fulfil();
-      });
+  context_.service.when_stored(*admission, [kept = shared_from_this(), this, number, leased,
+                                            sensory = std::move(sensory)](const Status& status) {
+    reply(number, status, leased, sensory);
+    fulfil();
+  });
   return {};
 }
 
-Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability) {
+Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability,
+                                            SensoryNames& sensory) {
   if (Status status = who_.take_request(steady_now()); !status.ok()) {
     context_.metrics.refused_rates.add();
     return context_.audited(who_.name(), "commit", "", std::move(status));
@@ -69,7 +87,63 @@ Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durabili
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
     ENGRAM_RETURN_IF_ERROR(check(update.entity, update.time));
+  // Who asks for a durable commit must not lose it. What a server does by default is for those that
+  // do not say.
+  if (message.durability() != v1::JOURNAL) {
+    sensory = sensory_of(taken.commit);
+    if (!sensory.empty())
+      ENGRAM_RETURN_IF_ERROR(context_.service.hold(taken.commit, taken.encoded));
+    if (!sensory.empty() && taken.commit.updates.empty()) return ltm::Admission();
+  }
   return context_.service.commit(std::move(taken.commit), std::move(taken.encoded), durability);
+}
+
+CommitStream::SensoryNames CommitStream::sensory_of(const ltm::Commit& commit) const {
+  SensoryNames names;
+  const auto& sensory = context_.service.sensory();
+  if (!sensory) return names;
+  for (const ltm::EntityUpdate& update : commit.updates) {
+    const memory::SensorySegment* segment = sensory->segment_of(update.entity);
+    if (segment == nullptr) continue;
+    std::string name = segment->match.to_string();
+    if (std::ranges::find(names, name) == names.end()) names.push_back(std::move(name));
+  }
+  return names;
+}
+
+Status CommitStream::pass(const v1::SensoryEntry& entry) {
+  if (Status status = who_.take_request(steady_now()); !status.ok()) {
+    context_.metrics.refused_rates.add();
+    return context_.audited(who_.name(), "commit", "", std::move(status));
+  }
+  return context_.rings.pass(sharing_, entry.ring(), entry.written());
+}
+
+Result<v1::SensoryRing> CommitStream::open_ring(const v1::CommitRequest& message) {
+  ENGRAM_RETURN_IF_ERROR(who_.take_request(steady_now()));
+  if (!context_.sharing || sharing_ == kServerItself)
+    return failed_precondition("sensory ring: needs a session of shared memory");
+  std::vector<ltm::MemoryId> entities;
+  for (const std::string& text : message.sensory_entities()) {
+    ENGRAM_ASSIGN_OR_RETURN(ltm::MemoryId id, ltm::MemoryId::parse(text));
+    if (!id.is_entity()) return invalid_argument("found ID '{}', needs that of an entity", text);
+    ENGRAM_RETURN_IF_ERROR(context_.service.owns(id));
+    // Times are checked with each snapshot that passes.
+    ENGRAM_RETURN_IF_ERROR(check(id, system_now()));
+    entities.push_back(std::move(id));
+  }
+  return context_.rings.open(who_, sharing_, entities);
+}
+
+void CommitStream::reply_with_ring(const v1::CommitRequest& message) {
+  auto opened = open_ring(message);
+  v1::CommitReply answer;
+  answer.set_number(message.number());
+  if (opened.ok())
+    *answer.mutable_ring() = *std::move(opened);
+  else
+    *answer.mutable_outcome() = to_outcome(opened.status());
+  send(to_bytes(answer));
 }
 
 Status CommitStream::check(const ltm::MemoryId& entity, Time time) {
@@ -116,11 +190,12 @@ std::optional<BlockRef> CommitStream::lease(const v1::CommitRequest& message) {
 }
 
 void CommitStream::reply(uint64_t number, const Status& status,
-                         const std::optional<BlockRef>& leased) {
+                         const std::optional<BlockRef>& leased, const SensoryNames& sensory) {
   v1::CommitReply message;
   message.set_number(number);
   if (leased) *message.mutable_block() = to_message(*leased);
   if (!status.ok()) *message.mutable_outcome() = to_outcome(status);
+  for (const std::string& segment : sensory) message.add_sensory(segment);
   send(to_bytes(message));
 }
 

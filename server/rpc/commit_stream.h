@@ -20,13 +20,24 @@ class CommitStream final : public ReplyStream {
       : context_(context), who_(std::move(who)), sharing_(sharing) {}
 
  private:
+  /// The segments of updates that are sensory, as the client is told of them.
+  using SensoryNames = std::vector<std::string>;
+
   Status on_request(grpc::ByteBuffer& request) override;
   Result<ltm::Admission> commit(v1::CommitRequest& message,
-                                memory::MemoryService::Durability durability);
+                                memory::MemoryService::Durability durability,
+                                SensoryNames& sensory);
   Result<WireCommit> take(v1::CommitRequest& message);
   /// Whether the writer may write this entity.
   Status check(const ltm::MemoryId& entity, Time time);
-  void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {});
+  void reply(uint64_t number, const Status& status, const std::optional<BlockRef>& leased = {},
+             const SensoryNames& sensory = {});
+  /// Gives a client a ring for sensory entities that it may write.
+  Result<v1::SensoryRing> open_ring(const v1::CommitRequest& message);
+  void reply_with_ring(const v1::CommitRequest& message);
+  /// Passes what a ring has, as far as somebody attends to it.
+  Status pass(const v1::SensoryEntry& entry);
+  [[nodiscard]] SensoryNames sensory_of(const ltm::Commit& commit) const;
   std::optional<BlockRef> lease(const v1::CommitRequest& message);
   void publish(const ltm::Admission& admission);
 

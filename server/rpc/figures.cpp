@@ -47,6 +47,20 @@ std::vector<Figure> figures(const memory::MemoryService::Counters& counters) {
     all.push_back({"redact_unreadable", "Of these, with images in which no detector looks.",
                    number(redaction.unreadable)});
   }
+  if (counters.sensory) {
+    const memory::SensoryCounts& sensory = *counters.sensory;
+    all.push_back({"sensory_committed", "Snapshots of sensory segments that came.",
+                   number(sensory.committed)});
+    all.push_back({"sensory_passed", "Of these, to working memory.", number(sensory.passed)});
+    all.push_back(
+        {"sensory_refused", "That were to pass and were refused.", number(sensory.refused)});
+    all.push_back({"sensory_lost", "To which nobody attended.", number(sensory.lost())});
+    all.push_back({"sensory_crowded_out", "Lost before their time, since a ring was full.",
+                   number(sensory.crowded_out)});
+    all.push_back({"sensory_held", "That can still pass.", number(sensory.held)});
+    all.push_back(
+        {"sensory_bytes", "Bytes of those that can still pass.", number(sensory.held_bytes)});
+  }
   if (!counters.store) return all;
   const memory::LongTerm::Counters& store = *counters.store;
   const ltm::StorePast::Counters& reading = counters.reading;

@@ -14,6 +14,7 @@
 #include "server/access/access_policy.h"
 #include "server/access/audit_log.h"
 #include "server/rpc/rpc_metrics.h"
+#include "server/rpc/sensory_rings.h"
 #include "server/rpc/shared_sessions.h"
 #include "server/rpc/work_queue.h"
 #include "server/skills/skill_memory.h"
@@ -32,6 +33,9 @@ struct RpcContext {
   std::unique_ptr<ltm::Redactor> redactor;  ///< Of answers; null: nobody needs it.
   std::shared_ptr<AuditLog> audit;          ///< Null: nobody keeps one.
   memory::EventHub hub;
+  /// The rings of clients that share memory. Declared first, because sharing tells of clients that
+  /// are gone.
+  SensoryRings rings{*this};
   std::unique_ptr<SharedSessions> sharing;  ///< Null: no shared memory.
   /// The skill memory of this server, which starts when it is first needed; empty: it has none. It
   /// outlives all streams.

@@ -15,14 +15,18 @@ constexpr size_t kMaxBlockBytes = size_t{256} << 20;
 
 }  // namespace
 
-Result<std::unique_ptr<SharedSessions>> SharedSessions::start(const std::filesystem::path& socket,
-                                                              const SharedPool::Options& options,
-                                                              NoteReader note_reader) {
-  std::unique_ptr<SharedSessions> sessions(new SharedSessions(socket, std::move(note_reader)));
+Result<std::unique_ptr<SharedSessions>> SharedSessions::start(
+    const std::filesystem::path& socket, const SharedPool::Options& options, NoteReader note_reader,
+    std::function<void(ClientId)> on_closed) {
+  std::unique_ptr<SharedSessions> sessions(
+      new SharedSessions(socket, std::move(note_reader), std::move(on_closed)));
   ENGRAM_ASSIGN_OR_RETURN(sessions->pool_, SharedPool::create(options));
   SharingServer::Options serving;
   serving.socket = socket;
-  serving.on_closed = [self = sessions.get()](ClientId client) { self->forget(client); };
+  serving.on_closed = [self = sessions.get()](ClientId client) {
+    self->forget(client);
+    if (self->on_closed_) self->on_closed_(client);
+  };
   ENGRAM_ASSIGN_OR_RETURN(sessions->server_,
                           SharingServer::start(*sessions->pool_, std::move(serving)));
   return sessions;
@@ -93,6 +97,61 @@ void SharedSessions::release(ClientId reader, const BlockRef& block) {
   // Releasing a block that the client does not have harms only that client; the pool counts it.
   if (const Status status = pool_->release(reader, block); !status.ok())
     log::debug("shared memory: client {}: {}", reader, status.message());
+}
+
+Result<SharedSessions::RingMemory> SharedSessions::lease_ring(ClientId writer, size_t entry_bytes,
+                                                              size_t control_bytes) {
+  RingMemory ring;
+  GroupId told = 0;
+  {
+    const MutexLock lock(mutex_);
+    const auto session = sessions_.find(writer);
+    if (session == sessions_.end()) return failed_precondition("shared memory: no such session");
+    if (session->second.told == 0) session->second.told = ++last_ring_group_;
+    told = session->second.told;
+    ring.group = ++last_ring_group_;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(ring.entries, pool_->lease(writer, ring.group, entry_bytes));
+  const auto make_control = [&]() -> Status {
+    ENGRAM_ASSIGN_OR_RETURN(ring.control, pool_->lease(kServerItself, told, control_bytes));
+    ENGRAM_ASSIGN_OR_RETURN(ring.control_written, pool_->writable(ring.control));
+    ENGRAM_ASSIGN_OR_RETURN(ring.control_kept,
+                            pool_->commit(kServerItself, told, ring.control, control_bytes));
+    ENGRAM_RETURN_IF_ERROR(pool_->grant_read(writer, told));
+    return pool_->share(ring.control, writer);
+  };
+  Status made = make_control();
+  if (made.ok()) return ring;
+  abandon_ring(writer, ring);
+  return made;
+}
+
+Result<Buffer> SharedSessions::begin_ring(ClientId writer, const RingMemory& ring) {
+  return pool_->commit(writer, ring.group, ring.entries, ring.entries.capacity);
+}
+
+void SharedSessions::abandon_ring(ClientId writer, const RingMemory& ring) {
+  // It fails where the client is gone, which took the lease back, or where the ring has begun.
+  if (const Status status = pool_->abandon(writer, ring.entries); !status.ok())
+    log::debug("shared memory: a ring of client {}: {}", writer, status.message());
+}
+
+Result<SharedSessions::OwnBlock> SharedSessions::lease_own(const std::string& memory,
+                                                           size_t bytes) {
+  OwnBlock own;
+  ENGRAM_ASSIGN_OR_RETURN(own.block, lease(kServerItself, memory, bytes));
+  ENGRAM_ASSIGN_OR_RETURN(own.bytes, pool_->writable(own.block));
+  own.bytes = own.bytes.first(bytes);
+  return own;
+}
+
+Result<Buffer> SharedSessions::commit_own(const std::string& memory, const OwnBlock& own) {
+  return pool_->commit(kServerItself, group_of(memory), own.block, own.bytes.size());
+}
+
+void SharedSessions::abandon_own(const OwnBlock& own) {
+  if (const Status status = pool_->abandon(kServerItself, own.block); !status.ok())
+    log::debug("shared memory: a block of the server: {}", status.message());
 }
 
 GroupId SharedSessions::group_of(const std::string& memory) {

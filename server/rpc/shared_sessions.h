@@ -29,9 +29,10 @@ class SharedSessions {
 
   /// Starts sharing. Clients fetch the memory at `socket`, in a folder that only the server owns.
   /// Errors: those of SharedPool::create and SharingServer::start.
-  static Result<std::unique_ptr<SharedSessions>> start(const std::filesystem::path& socket,
-                                                       const SharedPool::Options& options,
-                                                       NoteReader note_reader);
+  /// `on_closed` is called by a thread of the server once a client is gone.
+  static Result<std::unique_ptr<SharedSessions>> start(
+      const std::filesystem::path& socket, const SharedPool::Options& options,
+      NoteReader note_reader, std::function<void(ClientId)> on_closed = {});
   ~SharedSessions();
 
   /// Returns what a client needs to start a session.
@@ -49,27 +50,60 @@ class SharedSessions {
   Status share(const BlockRef& block, const std::string& memory, ClientId reader);
   void release(ClientId reader, const BlockRef& block);
 
+  /// The memory of a ring that one client writes and the server reads, and that of what the server
+  /// tells the client. Nobody else may map either.
+  struct RingMemory {
+    BlockRef entries;
+    BlockRef control;
+    GroupId group = 0;                     ///< Of the entries.
+    std::span<std::byte> control_written;  ///< The control's bytes, for the server to write.
+    Buffer control_kept;                   ///< Keeps these.
+  };
+  /// Errors: those of SharedPool::lease and share.
+  Result<RingMemory> lease_ring(ClientId writer, size_t entry_bytes, size_t control_bytes);
+  /// The entries of a ring, once its client has mapped it.
+  /// Errors: those of SharedPool::commit.
+  Result<Buffer> begin_ring(ClientId writer, const RingMemory& ring);
+  void abandon_ring(ClientId writer, const RingMemory& ring);
+
+  /// A block that the server itself fills: readers of the memory may see it from now on.
+  struct OwnBlock {
+    BlockRef block;
+    std::span<std::byte> bytes;
+  };
+  Result<OwnBlock> lease_own(const std::string& memory, size_t bytes);
+  Result<Buffer> commit_own(const std::string& memory, const OwnBlock& own);
+  void abandon_own(const OwnBlock& own);
+
   [[nodiscard]] const SharedPool& pool() const { return *pool_; }
 
  private:
   struct Session {
     std::string secret;
     Identity who;
+    /// The group of what the server tells this client alone; zero until there is any.
+    GroupId told = 0;
   };
 
-  SharedSessions(std::filesystem::path socket, NoteReader note_reader)
-      : socket_(std::move(socket)), note_reader_(std::move(note_reader)) {}
+  SharedSessions(std::filesystem::path socket, NoteReader note_reader,
+                 std::function<void(ClientId)> on_closed)
+      : socket_(std::move(socket)),
+        note_reader_(std::move(note_reader)),
+        on_closed_(std::move(on_closed)) {}
   GroupId group_of(const std::string& memory) ENGRAM_EXCLUDES(mutex_);
   void forget(ClientId client) ENGRAM_EXCLUDES(mutex_);
 
   const std::filesystem::path socket_;
   const NoteReader note_reader_;
+  const std::function<void(ClientId)> on_closed_;
   std::unique_ptr<SharedPool> pool_;
   mutable Mutex mutex_;
   ClientId last_client_ ENGRAM_GUARDED_BY(mutex_) = 0;
   std::map<ClientId, Session> sessions_ ENGRAM_GUARDED_BY(mutex_);
   std::unordered_map<std::string, ClientId> by_secret_ ENGRAM_GUARDED_BY(mutex_);
   std::map<std::string, GroupId> groups_ ENGRAM_GUARDED_BY(mutex_);
+  /// Those of rings are above those of memories.
+  GroupId last_ring_group_ ENGRAM_GUARDED_BY(mutex_) = GroupId{1} << 31;
   /// Declared last, so that it ends first: it calls forget().
   std::unique_ptr<SharingServer> server_;
 };

@@ -47,12 +47,16 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
     is_writing_ = true;
     written_ = to_bytes(started);
   }
-  context_.hub.subscribe(shared_from_this(),
-                         [this, names = std::move(names)](const ltm::MemoryId& entity) {
-                           return names.matches(entity) && who_.check(Right::kRead, entity).ok();
-                         });
+  const auto is_wanted = [names = std::move(names), who = who_](const ltm::MemoryId& entity) {
+    return names.matches(entity) && who.check(Right::kRead, entity).ok();
+  };
+  context_.hub.subscribe(shared_from_this(), is_wanted);
+  // What sensory memory holds passes now, and is the first that this subscriber is told.
+  memory::Attention attention = context_.service.attend(is_wanted);
   const MutexLock lock(mutex_);
-  if (!is_finished_) StartWrite(&written_);
+  if (is_finished_) return {};
+  attention_ = std::move(attention);
+  StartWrite(&written_);
   return {};
 }
 
@@ -180,9 +184,11 @@ void SubscribeStream::OnCancel() {
 
 void SubscribeStream::finish(const Status& status) {
   context_.hub.unsubscribe(this);
+  memory::Attention ended;
   const MutexLock lock(mutex_);
   if (is_finished_) return;
   is_finished_ = true;
+  ended = std::move(attention_);
   Finish(to_grpc(status));
 }
 

@@ -63,6 +63,8 @@ class SubscribeStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, g
   Mutex mutex_;
   std::optional<memory::EventQueue<memory::SharedEvent>> queue_ ENGRAM_GUARDED_BY(mutex_);
   grpc::ByteBuffer written_ ENGRAM_GUARDED_BY(mutex_);
+  /// To the sensory entities among those that are wanted.
+  memory::Attention attention_ ENGRAM_GUARDED_BY(mutex_);
   bool is_writing_ ENGRAM_GUARDED_BY(mutex_) = false;
   bool is_finished_ ENGRAM_GUARDED_BY(mutex_) = false;
 };

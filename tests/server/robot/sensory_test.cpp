@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensory memory between clients and a server.
+#include <gmock/gmock.h>
+#include <grpcpp/create_channel.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "ltm/core/child.h"
+#include "server/client/shared_lane.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/redaction/marker_program.h"
+#include "tests/server/access/secret_file.h"
+#include "tests/server/robot/running_server.h"
+#include "tests/server/robot/sensory_images.h"
+
+namespace engram::server {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using testing::image_commit;
+using testing::is_whole_image;
+using testing::kLeft;
+using testing::kRight;
+using testing::RunningServer;
+
+/// Collects what a subscriber is told, and whether all of it was whole.
+class ToldImages {
+ public:
+  SubscriptionHandlers handlers() {
+    SubscriptionHandlers made;
+    made.on_snapshots = [this](const std::vector<ToldSnapshot>& told) {
+      const std::scoped_lock lock(mutex_);
+      for (const ToldSnapshot& one : told) {
+        const int64_t at = to_ns(one.snapshot.time);
+        times_.push_back(at);
+        if (!one.has_data || !is_whole_image(one.snapshot.instances[0].data, at)) ++broken_;
+      }
+      changed_.notify_all();
+    };
+    return made;
+  }
+
+  std::vector<int64_t> wait_for(size_t count) {
+    std::unique_lock lock(mutex_);
+    EXPECT_TRUE(changed_.wait_for(lock, 10s, [&] { return times_.size() >= count; }))
+        << times_.size() << " came";
+    return times_;
+  }
+
+  int broken() {
+    const std::scoped_lock lock(mutex_);
+    return broken_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<int64_t> times_;
+  int broken_ = 0;
+};
+
+class Sensory : public ::testing::TestWithParam<bool> {
+ protected:
+  void start(Duration hold = 10s) {
+    auto& sensory = running_.options.service.sensory;
+    sensory.segments = {{*ltm::MemoryId::parse("Vision/RGB"), hold}};
+    sensory.query_attention = 30ms;
+    running_.options.service.store_interval = 20ms;
+    running_.start();
+    client_ = running_.client({.shares_memory = shares()});
+  }
+
+  /// Whether the client shares memory; without it the server holds what it sends.
+  [[nodiscard]] static bool shares() {
+    return ::testing::UnitTest::GetInstance()->current_test_info()->value_param() == nullptr ||
+           GetParam();
+  }
+
+  Status commit(const std::string& entity, int64_t at, size_t bytes = 20'000) {
+    return client_->commit(image_commit(entity, at, bytes));
+  }
+
+  std::vector<int64_t> ask(const std::string& text) {
+    const auto result = running_.client()->query(*ltm::Query::parse(text));
+    EXPECT_OK(result);
+    std::vector<int64_t> times;
+    if (!result.ok()) return times;
+    for (const ltm::EntityResult* entity : result->entities())
+      for (const ltm::SnapshotResult& snapshot : entity->snapshots) {
+        times.push_back(to_ns(snapshot.time));
+        EXPECT_TRUE(is_whole_image(snapshot.instances[0].data, times.back()));
+      }
+    return times;
+  }
+
+  memory::MemoryService::Counters counters() { return running_.server->service().counters(); }
+  memory::SensoryCounts counts() { return *counters().sensory; }
+
+  RunningServer running_;
+  std::unique_ptr<MemoryClient> client_;
+};
+
+INSTANTIATE_TEST_SUITE_P(SharesMemory, Sensory, ::testing::Bool());
+
+TEST_P(Sensory, KeepsNothingOfWhatNobodyAttendsTo) {
+  start(50ms);
+  for (int64_t at = 1; at <= 30; ++at) ASSERT_OK(commit(kLeft, at));
+  EXPECT_EQ(counts().committed, 30u);
+  EXPECT_EQ(counters().memory.committed, 0u);
+  const auto text = client_->metrics();
+  ASSERT_OK(text);
+  if (shares()) {
+    EXPECT_THAT(*text, HasSubstr("engram_commits_total 1\n"));
+  }
+  EXPECT_THAT(*text, HasSubstr("engram_sensory_committed 30\n"));
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(counts().lost(), 30u);
+  EXPECT_EQ(counts().held_bytes, 0u);
+}
+
+TEST_P(Sensory, ASubscriberIsToldOfWhatCameBefore) {
+  start();
+  for (int64_t at = 1; at <= 5; ++at) {
+    ASSERT_OK(commit(kLeft, at));
+    ASSERT_OK(commit(kRight, 100 + at));
+  }
+  ToldImages told;
+  auto subscription =
+      running_.client()->subscribe({.names = {kLeft}, .with_data = true}, told.handlers());
+  ASSERT_OK(subscription);
+  for (int64_t at = 6; at <= 9; ++at) {
+    ASSERT_OK(commit(kLeft, at));
+    ASSERT_OK(commit(kRight, 100 + at));
+  }
+  EXPECT_THAT(told.wait_for(9), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_EQ(told.broken(), 0);
+  subscription->reset();
+  while (counts().held != 9) {
+    // The server hears of the end a little later.
+    ASSERT_OK(commit(kLeft, 10));
+    std::this_thread::sleep_for(5ms);
+    if (counts().held > 9) break;
+  }
+  const uint64_t passed = counts().passed;
+  ASSERT_OK(commit(kLeft, 11));
+  EXPECT_EQ(counts().passed, passed);
+}
+
+TEST_P(Sensory, AQueryFindsWhatIsHeldAndAttendsForAWhile) {
+  start();
+  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
+  EXPECT_THAT(ask("Vision @ all"), ElementsAre(1, 2, 3));
+  std::this_thread::sleep_for(100ms);
+  const uint64_t passed = counts().passed;
+  ASSERT_OK(commit(kLeft, 4));
+  EXPECT_EQ(counts().passed, passed);
+  EXPECT_THAT(ask(std::string(kLeft) + " @ latest"), ElementsAre(4));
+  EXPECT_EQ(counters().memory.superseded, 0u);
+}
+
+TEST_P(Sensory, KeepsWhatMustBeDurable) {
+  running_.with_store();
+  running_.options.durability = memory::MemoryService::Durability::kJournal;
+  start();
+  ASSERT_OK(commit(kLeft, 1));
+  ASSERT_OK(commit(kLeft, 2));
+  EXPECT_EQ(counters().memory.committed, 0u) << "it did not ask for it itself";
+  ASSERT_OK(client_->commit(image_commit(kLeft, 3), CommitDurability::kJournal));
+  EXPECT_EQ(counters().memory.committed, 1u);
+  EXPECT_EQ(counters().store->recorded, 1u);
+  EXPECT_THAT(ask("Vision @ all"), ElementsAre(1, 2, 3));
+}
+
+TEST_P(Sensory, OneCommitMayHaveBoth) {
+  start();
+  for (int64_t at = 1; at <= 3; ++at) {
+    ltm::Commit both = image_commit(kLeft, at);
+    both.updates.push_back(RunningServer::commit("Robot/a/b/c", at).updates.front());
+    ASSERT_OK(client_->commit(both));
+    ltm::Commit eyes = image_commit(kLeft, 10 + at);
+    eyes.updates.push_back(image_commit(kRight, 10 + at).updates.front());
+    ASSERT_OK(client_->commit(eyes));
+  }
+  EXPECT_EQ(counters().memory.committed, 3u);
+  EXPECT_EQ(counts().held, 9u);
+  EXPECT_THAT(ask(kRight + std::string(" @ all")), ElementsAre(11, 12, 13));
+  EXPECT_THAT(ask(kLeft + std::string(" @ all")), ElementsAre(1, 2, 3, 11, 12, 13));
+}
+
+TEST_P(Sensory, SaysWhatIsTooLargeOrTooMuch) {
+  running_.options.service.sensory.ring_bytes = size_t{256} << 10;
+  start();
+  ASSERT_OK(commit(kLeft, 1));
+  EXPECT_FAILS(commit(kLeft, 2, size_t{300} << 10), StatusCode::kResourceExhausted, kLeft);
+  ::testing::internal::CaptureStderr();
+  for (int64_t at = 3; at <= 40; ++at) ASSERT_OK(commit(kLeft, at, 20'000));
+  std::this_thread::sleep_for(100ms);
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("sensory_crowded_out"));
+  EXPECT_GT(counts().crowded_out, 20u);
+  EXPECT_EQ(counts().committed, 39u);
+}
+
+TEST_P(Sensory, ForgetsWhatIsHeld) {
+  start();
+  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
+  ASSERT_OK(commit(kRight, 4));
+  const auto forgotten = running_.client()->forget({.targets = {kLeft}});
+  ASSERT_OK(forgotten);
+  EXPECT_EQ(forgotten->snapshots, 3u);
+  EXPECT_THAT(ask("Vision @ all"), ElementsAre(4));
+}
+
+TEST_P(Sensory, WhoMayNotWriteIsToldSo) {
+  std::string tokens = "tokens:\n";
+  for (const auto& [name, rights] : std::vector<std::pair<std::string, std::string>>{
+           {"left", "grants: [{ids: [Vision/RGB/head/left], may: [write]}]"},
+           {"owner", "role: admin, memories: all"}})
+    tokens += fmt::format("  - {{name: {}, token_sha256: {}, {}}}\n", name,
+                          to_hex(hash_token(name)), rights);
+  running_.options.tokens = testing::write_secret(running_.folder.path() / "tokens.yaml", tokens);
+  start();
+  client_ = running_.client({.token = "left", .shares_memory = shares()});
+  for (int64_t at = 1; at <= 3; ++at) {
+    ASSERT_OK(commit(kLeft, at));
+    EXPECT_FAILS(commit(kRight, at), StatusCode::kFailedPrecondition, kRight);
+  }
+  // It may not read what it wrote, so its questions do not attend.
+  EXPECT_FALSE(client_->query(*ltm::Query::parse("Vision @ latest")).ok());
+  EXPECT_EQ(counts().passed, 0u);
+  const auto owner = running_.client({.token = "owner"});
+  const auto result = owner->query(*ltm::Query::parse("Vision @ all"));
+  ASSERT_OK(result);
+  EXPECT_EQ(counts().passed, 3u);
+}
+
+TEST_P(Sensory, RedactsWhatPasses) {
+  running_.with_store();
+  ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
+  rule.pack.rules = {ltm::PackRule{.codec = "none"}};
+  rule.redact = ltm::testing::marker_redaction(running_.folder.path(), "finds");
+  running_.options.service.store->recording.rules = {rule};
+  start();
+  for (int64_t at = 1; at <= 3; ++at)
+    ASSERT_OK(client_->commit(
+        RunningServer::commit(kLeft, at, ltm::testing::image_with_secret(320, 240, 20, 5))));
+  const auto result = running_.client()->query(*ltm::Query::parse("Vision @ all"));
+  ASSERT_OK(result);
+  ASSERT_EQ(result->entities().size(), 1u);
+  ASSERT_EQ(result->entities()[0]->snapshots.size(), 3u);
+  for (const auto& snapshot : result->entities()[0]->snapshots)
+    EXPECT_FALSE(ltm::testing::has_secret(*snapshot.instances[0].data.get_if<idf::NdArray>()));
+  EXPECT_EQ(counters().redaction.redacted, 3u);
+}
+
+TEST_P(Sensory, OpensExactlyWhileAClientWrites) {
+  start();
+  constexpr int kOpenings = 2000;
+  std::atomic<int64_t> last{0};
+  std::atomic<bool> is_over{false};
+  std::jthread provider([&] {
+    for (int64_t at = 1; !is_over; ++at) {
+      ASSERT_OK(client_->commit(RunningServer::commit(kLeft, at)));
+      last = at;
+      if (at % 8 == 0) std::this_thread::sleep_for(100us);
+    }
+  });
+  memory::MemoryService& service = running_.server->service();
+  while (last < 100) std::this_thread::sleep_for(1ms);
+  for (int i = 0; i < kOpenings; ++i) {
+    const int64_t before = last;
+    auto attention = service.attend(kLeft);
+    ASSERT_OK(attention);
+    ASSERT_GE(static_cast<int64_t>(counters().memory.committed), before) << i;
+    if (i % 16 == 0) std::this_thread::sleep_for(300us);
+    const int64_t during = last;
+    ASSERT_GE(static_cast<int64_t>(counters().memory.committed), during) << i;
+    attention->end();
+    if (i % 4 == 0) std::this_thread::sleep_for(200us);
+  }
+  is_over = true;
+  provider.join();
+  const auto attention = service.attend(kLeft);
+  ASSERT_OK(attention);
+  const ltm::MemoryCounters memory = counters().memory;
+  EXPECT_EQ(static_cast<int64_t>(memory.committed), last) << "nothing is lost, and nothing twice";
+  EXPECT_EQ(memory.superseded, 0u);
+  EXPECT_EQ(counts().refused, 0u);
+  EXPECT_EQ(counts().lost(), 0u);
+}
+
+TEST_F(Sensory, WhatAProviderWroteCanPassAfterItsEnd) {
+  start(500ms);
+  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
+  client_.reset();
+  EXPECT_THAT(ask("Vision @ all"), ElementsAre(1, 2, 3));
+  std::this_thread::sleep_for(800ms);
+  EXPECT_EQ(running_.server->service().sensory()->source_count(), 1u) << "its ring is gone";
+  EXPECT_EQ(counts().committed, 3u);
+}
+
+TEST_F(Sensory, NobodyElseCanMapARing) {
+  start();
+  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
+  // Not even who may read the memory, with any name of a slab.
+  ClientOptions options;
+  const auto channel = grpc::CreateChannel(running_.endpoint(), grpc::InsecureChannelCredentials());
+  const auto stub = v1::MemoryServer::NewStub(channel);
+  const auto other = SharedLane::open(*stub, options);
+  ASSERT_NE(other, nullptr);
+  for (SlabId slab = 1; slab < 10; ++slab) {
+    const BlockRef block{slab, 0, 64, 1};
+    EXPECT_FALSE(other->memory().readable(block, 64).ok()) << slab;
+    EXPECT_FALSE(other->memory().writable(block).ok()) << slab;
+  }
+}
+
+/// A provider in a process of its own, killed when this ends.
+class Provider {
+ public:
+  explicit Provider(const std::string& endpoint) {
+    int ends[2];
+    EXPECT_EQ(::pipe(ends), 0);
+    const auto child = start_child({ENGRAM_SENSORY_PEER, endpoint, kLeft}, {ends[1], {}});
+    EXPECT_OK(child);
+    pid_ = child.value_or(-1);
+    ::close(ends[1]);
+    char first = 0;
+    EXPECT_EQ(::read(ends[0], &first, 1), 1) << "it did not begin to write";
+    ::close(ends[0]);
+  }
+  Provider(const Provider&) = delete;
+  Provider& operator=(const Provider&) = delete;
+  ~Provider() {
+    if (pid_ <= 0) return;
+    ::kill(pid_, SIGKILL);
+    ::waitpid(pid_, nullptr, 0);
+  }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+TEST_F(Sensory, SurvivesProvidersThatAreKilledWhileTheyWrite) {
+  start(500ms);
+  uint64_t told_before = 0;
+  for (int round = 0; round < 8; ++round) {
+    ToldImages told;
+    const auto consumer = running_.client();
+    std::unique_ptr<Subscription> listening;
+    {
+      const Provider provider(running_.endpoint());
+      auto subscribed = consumer->subscribe({.names = {kLeft}, .with_data = true}, told.handlers());
+      ASSERT_OK(subscribed);
+      listening = *std::move(subscribed);
+      told.wait_for(20);
+      // Killed at any moment of a write.
+      std::this_thread::sleep_for(std::chrono::microseconds(700 * round + 13));
+    }
+    const std::vector<int64_t> times = told.wait_for(20);
+    EXPECT_TRUE(std::ranges::is_sorted(times));
+    for (size_t i = 1; i < times.size(); ++i) ASSERT_EQ(times[i], times[i - 1] + 1) << round;
+    EXPECT_EQ(told.broken(), 0);
+    told_before += times.size();
+  }
+  EXPECT_EQ(counts().refused, 0u);
+  EXPECT_GE(counts().passed, told_before);
+}
+
+}  // namespace
+}  // namespace engram::server
