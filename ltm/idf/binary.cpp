@@ -6,6 +6,9 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "ltm/core/copy_past_caches.h"
+#include "ltm/idf/encode_past_caches.h"
+
 namespace engram::idf {
 
 namespace {
@@ -83,10 +86,14 @@ class Writer {
   std::vector<std::byte>& out_;
 };
 
+/// Smaller arrays are not worth the wait for memory.
+constexpr size_t kPastCaches = size_t{32} << 10;
+
 /// Writes into memory of the caller.
 class Filler {
  public:
-  explicit Filler(std::span<std::byte> out) : out_(out) {}
+  explicit Filler(std::span<std::byte> out, bool is_past_caches = false)
+      : out_(out), is_past_caches_(is_past_caches) {}
 
   void tag(Tag value) { byte(static_cast<uint8_t>(value)); }
   void byte(uint8_t value) { scalar(value); }
@@ -100,7 +107,10 @@ class Filler {
   }
   void bytes(std::span<const std::byte> bytes) {
     ENGRAM_CHECK(bytes.size() <= out_.size() - at_, "{} of {} bytes are taken", at_, out_.size());
-    if (!bytes.empty()) std::memcpy(out_.data() + at_, bytes.data(), bytes.size());
+    if (is_past_caches_ && bytes.size() >= kPastCaches)
+      copy_past_caches(bytes, out_.subspan(at_, bytes.size()));
+    else if (!bytes.empty())
+      std::memcpy(out_.data() + at_, bytes.data(), bytes.size());
     at_ += bytes.size();
   }
   void align() {
@@ -110,6 +120,7 @@ class Filler {
 
  private:
   std::span<std::byte> out_;
+  bool is_past_caches_;
   size_t at_ = 0;
 };
 
@@ -359,15 +370,26 @@ Result<std::vector<std::byte>> encode(const Data& data, int max_depth) {
   return bytes;
 }
 
-Status encode_into(const Data& data, std::span<std::byte> out, int max_depth) {
+namespace {
+
+Status fill(const Data& data, std::span<std::byte> out, int max_depth, Filler filler) {
   ENGRAM_CHECK(max_depth <= kMaxDepth + kContainerDepth, "{} levels", max_depth);
-  Filler filler(out);
   filler.bytes(as_bytes(kMagic));
   if (!write(data, max_depth, filler))
     return invalid_argument("IDF value: nests deeper than {} levels or has an ndarray of rank > {}",
                             max_depth, kMaxRank);
   ENGRAM_CHECK(filler.size() == out.size(), "{} of {} bytes", filler.size(), out.size());
   return {};
+}
+
+}  // namespace
+
+Status encode_into(const Data& data, std::span<std::byte> out, int max_depth) {
+  return fill(data, out, max_depth, Filler(out));
+}
+
+Status encode_past_caches(const Data& data, std::span<std::byte> out, int max_depth) {
+  return fill(data, out, max_depth, Filler(out, true));
 }
 
 Result<Data> decode(const Buffer& buffer, int max_depth) {

@@ -124,7 +124,8 @@ std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit
     auto room = ring.writer.reserve(head_bytes, head.block_bytes(), steady_now(), sync);
     // The server says what is too large for it.
     if (!room.ok()) return std::nullopt;
-    if (Status status = write_data(commit, room->data); !status.ok()) return status;
+    if (Status status = write_data(commit, room->data, ReadBack::kSeldom); !status.ok())
+      return status;
     if (!head.SerializeToArray(room->head.data(), static_cast<int>(head_bytes)))
       return invalid_argument("the head of a commit could not be written");
     const uint64_t sequence =

@@ -5,6 +5,7 @@
 
 #include "ltm/core/log.h"
 #include "ltm/idf/binary.h"
+#include "ltm/idf/encode_past_caches.h"
 #include "server/wire/wire_snapshot.h"
 
 namespace engram::server {
@@ -93,12 +94,14 @@ void describe_in_block(const ltm::Commit& commit, v1::CommitRequest& request) {
   request.set_block_bytes(at);
 }
 
-Status write_data(const ltm::Commit& commit, std::span<std::byte> out) {
+Status write_data(const ltm::Commit& commit, std::span<std::byte> out, ReadBack read) {
   size_t at = 0;
   for (const ltm::EntityUpdate& update : commit.updates)
     for (const ltm::Instance& instance : update.instances) {
       const size_t size = idf::encoded_size(instance.data);
-      ENGRAM_RETURN_IF_ERROR(idf::encode_into(instance.data, out.subspan(at, size)));
+      const std::span<std::byte> to = out.subspan(at, size);
+      ENGRAM_RETURN_IF_ERROR(read == ReadBack::kSoon ? idf::encode_into(instance.data, to)
+                                                     : idf::encode_past_caches(instance.data, to));
       at += aligned(size);
     }
   return {};
@@ -107,7 +110,7 @@ Status write_data(const ltm::Commit& commit, std::span<std::byte> out) {
 Status write_in_block(const ltm::Commit& commit, std::span<std::byte> out,
                       v1::CommitRequest& request) {
   describe_in_block(commit, request);
-  return write_data(commit, out);
+  return write_data(commit, out, ReadBack::kSoon);
 }
 
 }  // namespace engram::server

@@ -62,9 +62,13 @@ class SharedLane {
 /// Writes to `request` what a commit says besides its data, and where these lie in a block.
 void describe_in_block(const ltm::Commit& commit, v1::CommitRequest& request);
 
+/// Whether bytes are read soon after they were written, or never as a rule: these are written past
+/// the processor's caches.
+enum class ReadBack : bool { kSoon, kSeldom };
+
 /// Writes the data of a commit to `out`, where describe_in_block() says.
 /// Errors: kInvalidArgument if a value nests too deep.
-Status write_data(const ltm::Commit& commit, std::span<std::byte> out);
+Status write_data(const ltm::Commit& commit, std::span<std::byte> out, ReadBack read);
 
 /// Both.
 /// Errors: those of write_data().

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ltm/idf/binary.h"
 
+#include "ltm/idf/encode_past_caches.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/random_values.h"
 
@@ -43,6 +44,18 @@ TEST(Binary, WritesTheBytesOfTheFormat) {
   EXPECT_EQ(*encode(Data(Dict{{"k", false}})), bytes_of({10, 1, 1, 'k', 1}));
   EXPECT_EQ(*encode(Data(NdArray::take<uint16_t>({1, 2}, {7, 8}))),
             bytes_of({8, 6, 2, 1, 2, 0, 0, 0, 0, 0, 0, 0, 7, 0, 8, 0}));
+}
+
+TEST(Binary, WritesTheSameBytesPastTheCaches) {
+  std::vector<uint8_t> pixels(100'001);
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * i >> 3);
+  const Data value = Dict{{"image", NdArray::take({100'001}, pixels)}, {"name", "a"}};
+  const auto bytes = encode(value);
+  ASSERT_TRUE(bytes.ok());
+  std::vector<uint64_t> words(encoded_size(value) / 8 + 1);
+  const auto out = std::as_writable_bytes(std::span(words)).first(encoded_size(value));
+  ASSERT_TRUE(encode_past_caches(value, out).ok());
+  EXPECT_TRUE(std::ranges::equal(out, *bytes));
 }
 
 TEST(Binary, NestsSixtyFourLevelsDeep) {
