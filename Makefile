@@ -30,7 +30,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo robot robot-demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -78,6 +78,7 @@ help:
 	@echo "make member-bars     how well members of values are predicted (DB=store BARS=options)"
 	@echo "make skill-bars      how soon a skill starts after the event that it waits for (BARS=options)"
 	@echo "make age-bars        how much older data grow on their way through a memory server (BARS=options)"
+	@echo "make sensory-bars    what cameras cost that nobody attends to, and what attention finds (BARS=options)"
 	@echo "make codec-bars      what video codecs need for what quality (RECORDINGS, BARS=options)"
 	@echo "make night-codec-bars    bytes and time where every image keeps a bound (RECORDINGS, BARS)"
 	@echo "make import-bars     how fast videos come in, beside FFmpeg (RECORDINGS, BARS=options)"
@@ -212,6 +213,9 @@ skill-bars: experiments
 
 age-bars: experiments
 	$(MEASURE) server/age_bars --json age_bars.json $(BARS)
+
+sensory-bars: experiments
+	$(MEASURE) server/sensory_bars --json sensory_bars.json $(BARS)
 
 import-bars: build
 	experiments/datasets/import_bars.py build/release/bin/engram \
