@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "server/sharing/sensory_writer.h"
+#include "server/sharing/slab.h"
 #include "tests/ltm/expect_status.h"
 
 namespace engram::server {
@@ -17,12 +18,26 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// A ring in the memory of this process, with both of its ends.
+/// Memory that is mapped twice, as by two processes.
+struct MappedTwice {
+  explicit MappedTwice(size_t bytes) : slab(std::move(*Slab::create(bytes, false))) {
+    const auto memory = slab.descriptor();
+    EXPECT_OK(memory);
+    written = *Mapping::make(memory->get(), bytes, true);
+  }
+
+  Slab slab;
+  std::shared_ptr<Mapping> written;
+};
+
+/// A ring with both of its ends.
 class SensoryRingTest : public ::testing::Test {
  protected:
-  explicit SensoryRingTest(size_t bytes = kMinSensoryRing) : words_(bytes / 8) {}
-
-  std::span<std::byte> memory() { return std::as_writable_bytes(std::span(words_)); }
+  explicit SensoryRingTest(size_t bytes = kMinSensoryRing)
+      : memory_(bytes),
+        words_(reinterpret_cast<uint64_t*>(memory_.written->writable().data()), bytes / 8),
+        writer_(memory_.written->writable(), control_, 500ms),
+        reader_({memory_.slab.mapping()->data(), bytes}) {}
 
   /// Writes an entry whose bytes all are the same.
   uint64_t write(size_t bytes, int value, SteadyTime now, uint64_t entities = 1) {
@@ -52,10 +67,11 @@ class SensoryRingTest : public ::testing::Test {
     return values;
   }
 
-  std::vector<uint64_t> words_;
+  MappedTwice memory_;
+  std::span<uint64_t> words_;
   SensoryControl control_;
-  SensoryRingWriter writer_{memory(), control_, 500ms};
-  SensoryRingReader reader_{memory()};
+  SensoryRingWriter writer_;
+  SensoryRingReader reader_;
   int synced_ = 0;
 };
 
