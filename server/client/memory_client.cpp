@@ -212,23 +212,12 @@ struct MemoryClient::State {
                                 size_t bytes) {
     // A lease of an earlier commit saves a round trip to the server before this commit.
     if (auto kept = with.lane->take_lease(memory, bytes)) return kept;
-    auto awaited = std::make_shared<Awaited<Result<BlockRef>>>();
     v1::CommitRequest request;
     request.set_lease_bytes(bytes);
     request.set_lease_memory(memory);
-    with.calls->call(
-        [&request](uint64_t number) {
-          request.set_number(number);
-          return to_bytes(request);
-        },
-        {[awaited](v1::CommitReply& reply) {
-           awaited->set(reply.has_block() ? Result<BlockRef>(to_block(reply.block()))
-                                          : resource_exhausted("no block"));
-           return true;
-         },
-         [awaited](const Status& status) { awaited->set(status); }});
-    const auto leased = wait(awaited, steady_now() + options.timeout);
-    return leased.ok() ? std::optional(*leased) : std::nullopt;
+    const auto reply = ask_for_commit(*with.calls, std::move(request));
+    return reply.ok() && reply->has_block() ? std::optional(to_block(reply->block()))
+                                            : std::nullopt;
   }
 
   /// Sends a commit through shared memory. Returns false if that is impossible: the caller then
