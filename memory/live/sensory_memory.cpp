@@ -75,7 +75,9 @@ std::shared_ptr<SensoryMemory> SensoryMemory::create(const Options& options, siz
 
 SensoryMemory::SensoryMemory(const Options& options, size_t max_entities, PassCommit pass,
                              Clock clock)
-    : options_(options), max_entities_(max_entities), clock_(std::move(clock)) {
+    : options_(options),
+      max_entities_(std::min(max_entities, kMaxEntities)),
+      clock_(std::move(clock)) {
   for (const SensorySegment& segment : options_.segments) {
     plain_.push_back(std::make_shared<PlainRing>(segment, options_.ring_bytes, pass));
     const MutexLock lock(mutex_);

@@ -59,6 +59,8 @@ class SensoryMemory : public std::enable_shared_from_this<SensoryMemory> {
     [[nodiscard]] Status validate() const;
   };
 
+  /// The max number of entities that it knows: each query looks at all of them.
+  static constexpr size_t kMaxEntities = 4096;
   static constexpr Duration kMinHold = std::chrono::milliseconds(1);
   static constexpr Duration kMaxHold = std::chrono::seconds(10);
   static constexpr size_t kMinRingBytes = size_t{64} << 10;
@@ -70,8 +72,8 @@ class SensoryMemory : public std::enable_shared_from_this<SensoryMemory> {
   /// Whether somebody attends to an entity; asked once of each.
   using Wanted = std::function<bool(const ltm::MemoryId& entity)>;
 
-  /// Needs options that validate. `max_entities` bounds what it knows, `clock` tells which times
-  /// are recent.
+  /// Needs options that validate. `max_entities` bounds what it knows if it is less than
+  /// kMaxEntities, `clock` tells which times are recent.
   static std::shared_ptr<SensoryMemory> create(const Options& options, size_t max_entities,
                                                PassCommit pass, Clock clock);
 
