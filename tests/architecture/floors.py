@@ -58,7 +58,7 @@ CONFINED = {
 }
 SYSTEM = re.compile(
     r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"
-    r"|(unistd|dirent|fcntl|signal|pthread|poll|stdlib|malloc|mntent|termios|dlfcn|sched|spawn)\.h)$"
+    r"|(unistd|dirent|fcntl|signal|pthread|poll|stdlib|malloc|mntent|termios|dlfcn|sched|spawn|emmintrin)\.h)$"
 )
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 MAX_LINES = 600
