@@ -8,6 +8,17 @@ namespace engram::server {
 
 namespace {
 
+/// A subscription during which sensory memory passes what is subscribed to.
+class AttendingSubscription final : public Subscription {
+ public:
+  AttendingSubscription(std::unique_ptr<Subscription> told, memory::Attention attention)
+      : told_(std::move(told)), attention_(std::move(attention)) {}
+
+ private:
+  const std::unique_ptr<Subscription> told_;
+  const memory::Attention attention_;
+};
+
 class InProcessMemory final : public Memory {
  public:
   explicit InProcessMemory(RpcContext& context)
@@ -47,7 +58,14 @@ class InProcessMemory final : public Memory {
 
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers) override {
-    return memory::subscribe_locally(hub_, options, std::move(handlers));
+    ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, subscribed_names(options.names));
+    ENGRAM_ASSIGN_OR_RETURN(auto told,
+                            memory::subscribe_locally(hub_, options, std::move(handlers)));
+    // What sensory memory holds passes now, and is the first that is told.
+    memory::Attention attention = context_.service.attend(
+        [names = std::move(names)](const ltm::MemoryId& entity) { return names.matches(entity); });
+    return std::unique_ptr<Subscription>(
+        std::make_unique<AttendingSubscription>(std::move(told), std::move(attention)));
   }
 
   Status close() override { return {}; }

@@ -184,6 +184,27 @@ TEST_F(SkillProviderTest, ConditionsLookAtTheMemoriesOfOtherServers) {
   EXPECT_THAT(told.get(), HasSubstr("kitchen/cup/"));
 }
 
+TEST_F(SkillProviderTest, AConditionAttendsToWhatIsSensory) {
+  start(", segments: [{match: Vision, sensory: 10s}]");
+  const auto asked = memory();
+  const auto camera = *ltm::MemoryId::parse("Vision/RGB/head/cam");
+  const auto see = [&](bool is_dark) {
+    EXPECT_OK(asked->commit({{{camera, system_now(), {{idf::Dict{{"is_dark", is_dark}}, {}}}}}}));
+  };
+  see(false);
+  const auto provider = SkillProvider::connect(endpoint(), "p");
+  ASSERT_OK(provider);
+  std::promise<void> switched;
+  ASSERT_OK((*provider)->add(
+      "name: light\nconditions: {when: {entity: Vision, path: is_dark, equals: true}}\n",
+      [&](SkillRun&) {
+        switched.set_value();
+        return SkillEnd::success();
+      }));
+  see(true);
+  EXPECT_EQ(switched.get_future().wait_for(seconds(20)), std::future_status::ready);
+}
+
 TEST_F(SkillProviderTest, AnswersRequestsAlthoughThereIsNoProvider) {
   start();
   const auto asked = memory();
