@@ -40,6 +40,10 @@ std::optional<size_t> SensoryRingWriter::find_room(size_t bytes) {
     const bool is_free = after == places_.begin() || std::prev(after)->second <= next_;
     if (is_free && (after == places_.end() || after->first >= next_ + bytes)) return next_;
   }
+  // Nothing is looked for between entries that leave no room: a thousand small ones a second would
+  // each be compared with all that are held.
+  const size_t free_between = high_water_ - layout_.data_begin() - used_;
+  if (free_between < bytes && high_water_ + bytes <= layout_.data_end()) return high_water_;
   size_t begin = layout_.data_begin();
   for (const auto& [offset, end] : places_) {
     if (offset - begin >= bytes) return begin;
@@ -50,6 +54,7 @@ std::optional<size_t> SensoryRingWriter::find_room(size_t bytes) {
 }
 
 void SensoryRingWriter::free_oldest() {
+  used_ -= live_.front().bytes;
   places_.erase(live_.front().offset);
   live_.pop_front();
 }
@@ -101,6 +106,7 @@ uint64_t SensoryRingWriter::publish(uint64_t entities, uint64_t snapshots, Stead
   const size_t end = reserved_.offset + to_whole_lines(reserved_.head_bytes + reserved_.data_bytes);
   live_.push_back({reserved_.offset, end - reserved_.offset, snapshots, now});
   places_.emplace(reserved_.offset, end);
+  used_ += end - reserved_.offset;
   next_ = end;
   high_water_ = std::max(high_water_, end);
   snapshots_ += snapshots;

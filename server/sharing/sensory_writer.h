@@ -75,6 +75,7 @@ class SensoryRingWriter {
   uint64_t crowded_out_ = 0;
   size_t next_ = 0;        ///< Where the last entry ended.
   size_t high_water_ = 0;  ///< No entry has gone beyond it.
+  size_t used_ = 0;        ///< Bytes of those that are there.
   SensoryEntry reserved_;
 };
 

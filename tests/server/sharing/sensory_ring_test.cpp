@@ -126,6 +126,20 @@ TEST_F(SensoryRingTest, TakesNoMoreMemoryThanItHolds) {
   EXPECT_EQ(reader_.crowded_out(), 0u);
 }
 
+/// Entries of any size, some held and some not, never lie over each other.
+TEST_F(SensoryRingTest, EntriesOfAnySizeKeepApart) {
+  std::mt19937_64 random(3);
+  SteadyTime now = steady_now();
+  for (int i = 0; i < 5000; ++i) {
+    now += Duration(static_cast<int64_t>(random() % 60'000'000));
+    write(random() % (i % 100 == 0 ? 20'000 : 900), i % 256, now);
+    const auto values = readable();
+    ASSERT_FALSE(values.empty());
+    for (size_t at = 0; at < values.size(); ++at)
+      ASSERT_EQ(values[values.size() - 1 - at], (i - static_cast<int>(at)) % 256) << i;
+  }
+}
+
 TEST_F(SensoryRingTest, AsksTheServerBeforeWhatItNeedsIsOverwritten) {
   const SteadyTime now = steady_now();
   write(1000, 1, now);
