@@ -335,8 +335,10 @@ struct MemoryClient::State {
   /// Waits for the value until `deadline`, then fails with a timeout.
   template <typename Value>
   Value wait(const std::shared_ptr<Awaited<Value>>& awaited, SteadyTime deadline) {
-    const BlockingScope blocking;
     auto future = awaited->promise.get_future();
+    // A commit that was not sent is done already: nobody is to be woken for it.
+    if (awaited->is_set) return future.get();
+    const BlockingScope blocking;
     if (future.wait_until(deadline) == std::future_status::ready) return future.get();
     awaited->set(timed_out());
     return future.get();
