@@ -305,6 +305,10 @@ int run_bars(const Arguments& arguments) {
                           report["after_unattended"]["memory_bytes"].get<double>();
     bar("bytes stored or in working memory", stored, 0);
     bar("commit p99, us", report["unattended"]["p99_us"].get<double>(), 100);
+    std::cout << fmt::format(
+        "  {:<34} {:.2f} at p50, {:.2f} at p99\n", "commit over memcpy",
+        report["unattended"]["p50_us"].get<double>() / report["memcpy"]["p50_us"].get<double>(),
+        report["unattended"]["p99_us"].get<double>() / report["memcpy"]["p99_us"].get<double>());
     // Attention opens and closes while the provider goes on.
     const double attended_s = 0.4;
     const double pause_s = 0.75;
