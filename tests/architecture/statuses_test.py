@@ -33,7 +33,8 @@ def thrown_away(text: str, names: set[str]) -> list[str]:
     found = _MAYBE.findall(text)
     for cast in _CAST.finditer(text):
         expression = " ".join(cast.group(1).split())
-        calls = _CALL.findall(expression)
+        # What the standard library calls so is not ours.
+        calls = _CALL.findall(re.sub(r"\bstd::\w+", "", expression))
         while calls and calls[-1] in _LOOKS:
             calls.pop()
         if any(call in names for call in calls):

@@ -117,7 +117,7 @@ servers:
   EXPECT_EQ(service.max_entities, 5000U);
   EXPECT_TRUE(service.store->prefers_latents);
   EXPECT_EQ(service.store->max_decoded_bytes, size_t{32} << 20);
-  EXPECT_THAT(service.store->recording.rules, SizeIs(1));
+  EXPECT_THAT(service.store->recording.rules, SizeIs(2));  // Those of the preset.
   const ltm::WorkingMemory::Options& memory = service.memory;
   EXPECT_EQ(memory.mode, ltm::StoreMode::kEverything);
   EXPECT_EQ(memory.all.bytes, size_t{1} << 30);
