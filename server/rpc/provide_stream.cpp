@@ -2,7 +2,7 @@
 #include "server/rpc/provide_stream.h"
 
 #include "server/wire/byte_message.h"
-#include "server/wire/wire_answer.h"
+#include "server/wire/wire_snapshot.h"
 
 namespace engram::server {
 
