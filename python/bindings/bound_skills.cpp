@@ -4,9 +4,9 @@
 #include <pybind11/stl.h>
 #include <unistd.h>
 
-#include <condition_variable>
 #include <memory>
 
+#include "ltm/core/mutex.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/values.h"
 #include "server/client/skill_provider.h"
@@ -51,10 +51,10 @@ class BoundRun {
   bool wait(int64_t timeout) {
     const std::stop_token stop = run().stop();
     const py::gil_scoped_release others;
-    std::mutex mutex;
-    std::condition_variable_any changed;
-    std::unique_lock lock(mutex);
-    changed.wait_for(lock, stop, Duration(timeout), [] { return false; });
+    Mutex mutex;  // StoppableCondition needs one; this one guards nothing.
+    StoppableCondition changed;
+    const MutexLock lock(mutex);
+    changed.wait_for(mutex, stop, Duration(timeout), [] { return false; });
     return stop.stop_requested();
   }
 

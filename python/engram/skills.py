@@ -35,14 +35,14 @@ class SkillEnd:
 
     reason: str = ""  #: What was measured, in words.
     outcome: str = "success"  #: Or "failure", "stop".
-    result: Value = field(default_factory=dict)  #: What came out, for programs.
+    result: Any = field(default_factory=dict)  #: A value of IDF: what came out, for programs.
     links: tuple[str, ...] = ()  #: IDs of what it made or found in the memory.
 
 
 class SkillRun:
     """One execution of a skill, for the function that carries it out, and no longer."""
 
-    def __init__(self, run: Any) -> None:
+    def __init__(self, run: _core.SkillRun) -> None:
         self._run = run
 
     @property
@@ -245,7 +245,8 @@ def run_skill(
                             f"skill '{skill}': no answer: does a server with the memory Skill run?"
                         )
                     continue
-                value = event.value
+                # An object of the types of the skill memory.
+                value: Any = event.value
                 if value["request"] != request:
                     continue
                 is_heard = True
