@@ -5,16 +5,20 @@ from __future__ import annotations
 
 import datetime
 import inspect
-import json
 import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from engram import _core
+from engram import _core, idf
 from engram.closing import Closing
 from engram.doors import text_of
-from engram.errors import FailedPreconditionError, InvalidArgumentError, UnavailableError
+from engram.errors import (
+    FailedPreconditionError,
+    InvalidArgumentError,
+    NotFoundError,
+    UnavailableError,
+)
 from engram.idf.value import Value
 from engram.times import DurationLike, duration_ns
 
@@ -224,7 +228,7 @@ def run_skill(
     wanted: dict[str, Any] = {
         "skill": skill,
         "wish": 0,
-        "parameters": json.dumps(parameters or {}),
+        "parameters": idf.to_json(parameters or {}),
         "wait": duration_ns(wait) / 1e9,
         "version": version,
         "execution": None,
@@ -234,34 +238,47 @@ def run_skill(
         now = time.time_ns()
         request = f"{entity}/{_printed(now)}/0"
         memory.commit(entity, wanted, now)
-        is_heard = False
+        is_heard, missed, look_again = False, 0, 0.0
         give_up = time.monotonic() + (duration_ns(wait) + duration_ns(timeout)) / 1e9
         try:
             while True:
                 event = watch.next(0.1)
-                if event is None:
+                found = [] if event is None else [(event.entity, event.time, event.value)]
+                missed = max(missed, watch.lost + watch.interruptions)
+                # A server that was away tells nobody what came meanwhile.
+                if missed and time.monotonic() > look_again:
+                    look_again = time.monotonic() + 1
+                    found += _said_lately(memory)
+                if not found:
                     if not is_heard and time.monotonic() > give_up:
                         raise UnavailableError(
                             f"skill '{skill}': no answer: does a server with the memory Skill run?"
                         )
                     continue
-                # An object of the types of the skill memory.
-                value: Any = event.value
-                if value["request"] != request:
-                    continue
-                is_heard = True
-                at = f"{event.entity}/{_printed(event.time)}/0"
-                if "unmet" in value:
-                    return SkillResult(request, "refused", value["reason"], None, at)
-                if value["stage"] == 2:
-                    text = value["result"]
-                    result = json.loads(text) if text else None
-                    return SkillResult(
-                        request, _ENDS[value["outcome"]], value["reason"], result, at
-                    )
+                for where, when, value in found:
+                    if value["request"] != request:
+                        continue
+                    is_heard = True
+                    at = f"{where}/{_printed(when)}/0"
+                    if "unmet" in value:
+                        return SkillResult(request, "refused", value["reason"], None, at)
+                    if value["stage"] == 2:
+                        result = idf.from_json(value["result"]) if value["result"] else None
+                        end = _ENDS[value["outcome"]]
+                        return SkillResult(request, end, value["reason"], result, at)
         except KeyboardInterrupt:
-            memory.commit(entity, {**wanted, "wish": 1, "parameters": "{}"}, time.time_ns())
+            stop = {**wanted, "wish": 1, "parameters": "{}", "execution": request}
+            memory.commit(entity, stop, time.time_ns())
             raise
+
+
+def _said_lately(memory: Memory) -> list[tuple[str, int, Any]]:
+    """What became of requests in the last hour; nothing while the server is away."""
+    try:
+        answer = memory.query("Skill/Event @ last:1h ; Skill/Refusal @ last:1h")
+    except (NotFoundError, UnavailableError):
+        return []
+    return [(one.entity, one.time, one.value) for all_of in answer.values() for one in all_of]
 
 
 def _printed(time_ns: int) -> str:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/navigation/known_things.h"
 
+#include "ltm/memory/answered_snapshots.h"
 #include "server/navigation/obstacle_map.h"
 
 namespace engram::navigation {
@@ -14,14 +15,7 @@ Status tell_things(Memory& memory, FloorThings& things, std::optional<Time> at) 
   const auto known = memory.query(text);
   if (!known.ok() && known.status().code() == StatusCode::kNotFound) return {};
   ENGRAM_RETURN_IF_ERROR(known.status());
-  for (const ltm::EntityResult* entity : known->entities()) {
-    if (entity->snapshots.empty()) continue;
-    const ltm::SnapshotResult& last = entity->snapshots.back();
-    ltm::Snapshot snapshot{entity->id, last.time, {}};
-    for (const ltm::InstanceResult& instance : last.instances)
-      snapshot.instances.push_back({instance.data, instance.metadata});
-    things.take(snapshot);
-  }
+  for (const ltm::Snapshot& snapshot : ltm::answered_snapshots(*known)) things.take(snapshot);
   return {};
 }
 

@@ -39,7 +39,8 @@ void SkillHost::start_on_request(memory::EventHub& hub) {
   hub_ = &hub;
   first_ = std::make_shared<FirstRequest>();
   hub.subscribe_uncounted(first_, [](const ltm::MemoryId& entity) {
-    return entity.names()[0] == skills::kSkillMemory && entity.names()[1] == "ExecutionRequest";
+    return entity.names()[0] == skills::kSkillMemory &&
+           entity.names()[1] == skills::kRequestSegment;
   });
   starting_ = std::jthread([this](const std::stop_token& stop) {
     if (!first_->wait(stop)) return;

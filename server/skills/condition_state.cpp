@@ -8,6 +8,8 @@
 
 #include "ltm/idf/element_visit.h"
 #include "ltm/idf/type_check.h"
+#include "server/skills/skill_ids.h"
+#include "server/skills/skill_types.h"
 
 namespace engram::skills {
 
@@ -44,6 +46,13 @@ std::string short_text(const idf::Data& value) {
   if (text == nullptr) return idf::describe(value);
   return text->size() <= kMaxFound ? "'" + *text + "'"
                                    : fmt::format("a text of {} bytes", text->size());
+}
+
+/// The type of what the skill memory itself writes: outcomes are integers there, whose names tell.
+std::optional<idf::Type> type_of_event(const ltm::MemoryId& entity) {
+  const auto& names = entity.names();
+  if (names[0] != kSkillMemory || names[1] != kEventSegment) return std::nullopt;
+  return ::skill::Event::idf_type();
 }
 
 ltm::EventRule rule_of(const ConditionLeaf& leaf, const ltm::EntityPattern& pattern) {
@@ -143,20 +152,22 @@ void ConditionState::take(Node& node, const ltm::Snapshot& snapshot,
   known.time = snapshot.time;
 }
 
-void ConditionState::seed(const ltm::Snapshot& snapshot, const std::optional<idf::Type>& type) {
-  for (Node& node : nodes_)
-    if (node.kind == Condition::Kind::kLeaf && node.pattern.matches(snapshot.entity))
-      take(node, snapshot, type, false);
-}
-
-bool ConditionState::offer(const ltm::Snapshot& snapshot, const std::optional<idf::Type>& type) {
+bool ConditionState::take(const ltm::Snapshot& snapshot, bool is_new) {
   bool is_looked_at = false;
   for (Node& node : nodes_) {
     if (node.kind != Condition::Kind::kLeaf || !node.pattern.matches(snapshot.entity)) continue;
-    take(node, snapshot, type, true);
+    take(node, snapshot, type_of_event(snapshot.entity), is_new);
     is_looked_at = true;
   }
   return is_looked_at;
+}
+
+void ConditionState::seed(const ltm::Snapshot& snapshot) {
+  take(snapshot, false);
+}
+
+bool ConditionState::offer(const ltm::Snapshot& snapshot) {
+  return take(snapshot, true);
 }
 
 const ConditionState::Known* ConditionState::met_by(const Node& node, Time now) {

@@ -39,11 +39,11 @@ class ConditionState {
   static Result<ConditionState> create(const Condition& condition);
 
   /// Takes what is the case already: it counts for states, and not as new.
-  void seed(const ltm::Snapshot& snapshot, const std::optional<idf::Type>& type);
+  void seed(const ltm::Snapshot& snapshot);
 
   /// Takes a snapshot that came. Returns true if any leaf looks at its entity. Call is_met() before
   /// the next one: what is new is so for that moment alone.
-  bool offer(const ltm::Snapshot& snapshot, const std::optional<idf::Type>& type);
+  bool offer(const ltm::Snapshot& snapshot);
 
   /// Whether it is met, and no longer by what was new. Changes what `for` counts from.
   [[nodiscard]] bool is_met(Time now);
@@ -89,6 +89,8 @@ class ConditionState {
   static constexpr size_t kMaxEntities = 10'000;
 
   Result<size_t> add(const Condition& condition);
+  /// Whether any leaf looks at its entity.
+  bool take(const ltm::Snapshot& snapshot, bool is_new);
   void take(Node& node, const ltm::Snapshot& snapshot, const std::optional<idf::Type>& type,
             bool is_new);
   [[nodiscard]] static bool is_asked(const Node& node, const ltm::Instance& instance,

@@ -5,6 +5,7 @@
 
 #include "ltm/core/mutex.h"
 #include "ltm/idf/json.h"
+#include "ltm/memory/answered_snapshots.h"
 #include "server/skills/skill_description.h"
 #include "server/skills/skill_ids.h"
 
@@ -18,33 +19,47 @@ class AwaitedEnd {
   AwaitedEnd(std::string request, const std::function<void(const ::skill::Event&)>& on_event)
       : request_(std::move(request)), on_event_(on_event) {}
 
-  void take(const std::vector<ToldSnapshot>& told) {
-    for (const ToldSnapshot& one : told) {
-      if (!one.has_data || one.snapshot.instances.empty()) continue;
-      const idf::Data& data = one.snapshot.instances.front().data;
-      const ltm::MemoryId id = one.snapshot.id().instance(0);
-      if (one.snapshot.entity.names()[1] == "Refusal") {
-        if (auto refusal = ::skill::Refusal::from_idf(data); refusal.ok())
-          take(id, *std::move(refusal));
-      } else if (auto event = ::skill::Event::from_idf(data); event.ok()) {
-        take(id, *std::move(event));
-      }
+  void take(const ltm::Snapshot& snapshot) {
+    if (snapshot.instances.empty()) return;
+    const idf::Data& data = snapshot.instances.front().data;
+    const ltm::MemoryId id = snapshot.id().instance(0);
+    if (snapshot.entity.names()[1] == kRefusalSegment) {
+      if (auto refusal = ::skill::Refusal::from_idf(data); refusal.ok())
+        take(id, *std::move(refusal));
+    } else if (auto event = ::skill::Event::from_idf(data); event.ok()) {
+      take(id, *std::move(event));
     }
   }
 
-  /// True once it has started, or ended, or was refused.
-  bool wait(Duration time, bool for_end) {
+  SubscriptionHandlers handlers() {
+    const auto miss = [this] {
+      const MutexLock lock(mutex_);
+      has_missed_ = true;
+    };
+    return {[this](const std::vector<ToldSnapshot>& told) {
+              for (const ToldSnapshot& one : told)
+                if (one.has_data) take(one.snapshot);
+            },
+            [miss](uint64_t /*lost*/) { miss(); }, [miss](const Status& /*status*/) { miss(); }};
+  }
+
+  /// Waits for the end.
+  void wait(Duration time) {
     const MutexLock lock(mutex_);
-    return changed_.wait_for(
-        mutex_, time, [&]() ENGRAM_REQUIRES(mutex_) { return result_ || (!for_end && start_); });
+    changed_.wait_for(mutex_, time, [&]() ENGRAM_REQUIRES(mutex_) { return result_.has_value(); });
   }
   std::optional<SkillResult> result() {
     const MutexLock lock(mutex_);
     return result_;
   }
-  std::optional<ltm::MemoryId> start() {
+  bool has_started() {
     const MutexLock lock(mutex_);
-    return start_;
+    return has_started_;
+  }
+  /// Whether something was not told, so that the memory has to be asked.
+  bool has_missed() {
+    const MutexLock lock(mutex_);
+    return has_missed_;
   }
 
  private:
@@ -52,7 +67,7 @@ class AwaitedEnd {
     if (event.request.to_string() != request_) return;
     if (on_event_) on_event_(event);
     const MutexLock lock(mutex_);
-    if (event.stage == ::skill::Stage::STARTED) start_ = id;
+    has_started_ = true;
     if (event.stage == ::skill::Stage::ENDED && !result_) {
       result_.emplace();
       result_->end = std::move(event);
@@ -76,7 +91,8 @@ class AwaitedEnd {
   const std::function<void(const ::skill::Event&)>& on_event_;
   Mutex mutex_;
   ConditionVariable changed_;
-  std::optional<ltm::MemoryId> start_ ENGRAM_GUARDED_BY(mutex_);
+  bool has_started_ ENGRAM_GUARDED_BY(mutex_) = false;
+  bool has_missed_ ENGRAM_GUARDED_BY(mutex_) = false;
   std::optional<SkillResult> result_ ENGRAM_GUARDED_BY(mutex_);
 };
 
@@ -87,6 +103,18 @@ Result<ltm::MemoryId> entity_of(const std::string& skill, const std::string& req
   ENGRAM_RETURN_IF_ERROR(check_name("skill", name));
   ENGRAM_RETURN_IF_ERROR(check_name("requester", requester));
   return request_id(requester, name);
+}
+
+/// Tells it what the memory has of the last hour.
+Status look_up(Memory& memory, AwaitedEnd& awaited) {
+  const auto answer = memory.query("Skill/Event @ last:1h ; Skill/Refusal @ last:1h");
+  // While the server is away it is asked again later.
+  if (!answer.ok() && answer.status().code() != StatusCode::kNotFound &&
+      answer.status().code() != StatusCode::kUnavailable)
+    return answer.status();
+  if (answer.ok())
+    for (const ltm::Snapshot& snapshot : ltm::answered_snapshots(*answer)) awaited.take(snapshot);
+  return {};
 }
 
 ltm::Commit commit_of(const ltm::MemoryId& entity, Time time,
@@ -114,13 +142,7 @@ Result<ConditionNow> condition_now(Memory& memory, std::string name, const Condi
     const auto answer = memory.query(pattern + " @ latest");
     if (!answer.ok() && answer.status().code() != StatusCode::kNotFound) return answer.status();
     if (!answer.ok()) continue;
-    for (const ltm::EntityResult* entity : answer->entities())
-      for (const ltm::SnapshotResult& one : entity->snapshots) {
-        ltm::Snapshot snapshot{entity->id, one.time, {}};
-        for (const ltm::InstanceResult& instance : one.instances)
-          snapshot.instances.push_back({instance.data, instance.metadata});
-        state.seed(snapshot, std::nullopt);
-      }
+    for (const ltm::Snapshot& snapshot : ltm::answered_snapshots(*answer)) state.seed(snapshot);
   }
   const Time now = system_now();
   ConditionNow told{std::move(name), to_string(condition), state.is_met(now), {}};
@@ -145,26 +167,32 @@ Result<SkillResult> run_skill(Memory& memory, const SkillRequest& request,
   value.causes = request.causes;
   ENGRAM_ASSIGN_OR_RETURN(
       const auto subscription,
-      memory.subscribe(
-          {.names = {"Skill/Event", "Skill/Refusal"}, .with_data = true},
-          {.on_snapshots = [&](std::vector<ToldSnapshot> told) { awaited.take(told); }}));
+      memory.subscribe({.names = {"Skill/Event", "Skill/Refusal"}, .with_data = true},
+                       awaited.handlers()));
   ENGRAM_RETURN_IF_ERROR(memory.commit(commit_of(entity, now, value, request.requester)));
   const SteadyTime give_up = steady_now() + answer_within + request.wait;
   bool is_stopped = false;
+  SteadyTime look_again{};
   while (true) {
     constexpr auto kLookEvery = std::chrono::milliseconds(50);
-    awaited.wait(kLookEvery, true);
+    constexpr auto kAskEvery = std::chrono::seconds(1);
+    awaited.wait(kLookEvery);
+    // A server that was away tells nobody what came meanwhile, and nobody says when the
+    // subscription is in place again.
+    if (awaited.has_missed() && steady_now() > look_again) {
+      ENGRAM_RETURN_IF_ERROR(look_up(memory, awaited));
+      look_again = steady_now() + kAskEvery;
+    }
     if (auto result = awaited.result()) {
       result->request = id;
       return *std::move(result);
     }
-    const auto start = awaited.start();
     if (stop.stop_requested() && !is_stopped) {
       is_stopped = true;
       ENGRAM_RETURN_IF_ERROR(
-          ask_skill(memory, request.skill, ::skill::Wish::STOP, request.requester, start).status());
+          ask_skill(memory, request.skill, ::skill::Wish::STOP, request.requester, id).status());
     }
-    if (!start && steady_now() > give_up)
+    if (!awaited.has_started() && steady_now() > give_up)
       return unavailable(
           "skill '{}': no answer within {}: does a server with the memory Skill run?",
           request.skill, engram::to_string(answer_within + request.wait));

@@ -43,8 +43,8 @@ Result<SkillResult> run_skill(Memory& memory, const SkillRequest& request,
                               const std::stop_token& stop = {},
                               Duration answer_within = std::chrono::seconds(10));
 
-/// Asks for something else of a skill: to stop what runs of it (`execution`, or all), or to switch
-/// it off or on. Returns the request.
+/// Asks for something else of a skill: to stop what runs or waits of it (`execution`: the event at
+/// which it started, or its request; else all), or to switch it off or on. Returns the request.
 /// Errors: those of Memory::commit.
 Result<ltm::MemoryId> ask_skill(Memory& memory, const std::string& skill, ::skill::Wish wish,
                                 const std::string& requester,

@@ -8,8 +8,8 @@
 
 #include "ltm/filter/config_choice.h"
 #include "ltm/filter/entity_pattern.h"
+#include "ltm/memory/answered_snapshots.h"
 #include "ltm/memory/memory_id.h"
-#include "ltm/memory/name_pattern.h"
 
 namespace engram::skills {
 
@@ -169,12 +169,7 @@ Result<std::string> exact_pattern(const std::string& link, const std::string& pa
   ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, ltm::MemoryId::parse(link));
   if (!id.has_entity())
     return invalid_argument("condition: {} is '{}', needs an entity", parameter, link);
-  std::vector<std::string> levels;
-  for (const std::string& name : id.names()) {
-    ENGRAM_ASSIGN_OR_RETURN(const ltm::NamePattern level, ltm::NamePattern::name(name));
-    levels.push_back(level.to_string());
-  }
-  return fmt::format("{}", fmt::join(levels, "/"));
+  return ltm::exact_names(id);
 }
 
 Status fill_in(Condition& condition, const idf::Data& parameters) {

@@ -7,19 +7,6 @@
 
 namespace engram::skills {
 
-namespace {
-
-constexpr std::string_view kRequestSegment = "ExecutionRequest";
-
-/// The type of what the skill memory itself writes, so that conditions can ask what it tells.
-std::optional<idf::Type> type_in_skills(const ltm::MemoryId& entity) {
-  const auto& names = entity.names();
-  if (names[0] != kSkillMemory || names[1] != "Event") return std::nullopt;
-  return ::skill::Event::idf_type();
-}
-
-}  // namespace
-
 SkillEngine::SkillEngine(SkillRecords& records, WatchedEntities& watched, Clock clock,
                          std::optional<Time> carries_out_since)
     : records_(records),
@@ -42,7 +29,11 @@ void SkillEngine::connect(uint64_t session, std::shared_ptr<ProviderLink> link,
     status = already_exists(
         "provider '{}': another provider of this name is connected; two need two names",
         hello.provider);
-  if (status.ok()) status = introduce(hello);
+  if (status.ok()) {
+    status = introduce(hello);
+    // Some of its skills may be there already, and nobody would carry them out.
+    if (!status.ok()) take_away(hello.provider);
+  }
   if (status.ok()) providers_.emplace(hello.provider, Provider{session, link});
   link->welcome(status);
   if (!status.ok()) return;
@@ -71,25 +62,19 @@ void SkillEngine::disconnect(uint64_t session) {
   for (const auto& [id, execution] : executions_)
     if (execution.session == session) running.push_back(id);
   for (const std::string& id : running)
-    finish(executions_.find(id), ::skill::Outcome::LOST,
-           fmt::format("its provider '{}' went away", name), {});
-  for (auto& [skill_name, skill] : skills_) {
-    if (skill_name.provider != name || !skill.is_available) continue;
-    skill.is_available = false;
-    write_executable(skill_name, skill);
-  }
+    lose(executions_.find(id), fmt::format("its provider '{}' went away", name));
+  take_away(name);
   look_at_attempts();
 }
 
 void SkillEngine::on_snapshot(const ltm::Snapshot& snapshot) {
   const auto& names = snapshot.entity.names();
   if (names[0] == kSkillMemory && names[1] == kRequestSegment) on_request(snapshot);
-  const std::optional<idf::Type> type = type_in_skills(snapshot.entity);
   // What runs is looked at first: it may free what others wait for.
   std::vector<std::string> to_check;
   for (auto& [id, execution] : executions_) {
-    const bool holds = execution.attempt.hold && execution.attempt.hold->offer(snapshot, type);
-    const bool posts = execution.attempt.post && execution.attempt.post->offer(snapshot, type);
+    const bool holds = execution.attempt.hold && execution.attempt.hold->offer(snapshot);
+    const bool posts = execution.attempt.post && execution.attempt.post->offer(snapshot);
     if (holds || posts) to_check.push_back(id);
   }
   for (const std::string& id : to_check) {
@@ -99,20 +84,34 @@ void SkillEngine::on_snapshot(const ltm::Snapshot& snapshot) {
   }
   bool is_awaited = false;
   for (Attempt& attempt : attempts_) {
-    if (attempt.pre) is_awaited = attempt.pre->offer(snapshot, type) || is_awaited;
-    if (attempt.hold) is_awaited = attempt.hold->offer(snapshot, type) || is_awaited;
-    if (attempt.post) attempt.post->offer(snapshot, type);
+    if (attempt.pre) is_awaited = attempt.pre->offer(snapshot) || is_awaited;
+    if (attempt.hold) is_awaited = attempt.hold->offer(snapshot) || is_awaited;
+    if (attempt.post) attempt.post->offer(snapshot);
   }
   if (is_awaited) look_at_attempts();
   for (auto& [name, skill] : skills_)
-    if (skill.when && skill.when->offer(snapshot, type)) on_condition(name, skill);
+    if (skill.when && skill.when->offer(snapshot)) on_condition(name, skill);
 }
 
 void SkillEngine::on_gap() {
   // Subscriptions that were interrupted are in place again by themselves; what came in between is
-  // in the memory.
-  for (const Status& status : {recover_requests()})
-    if (!status.ok()) log::warning("skills: requests may have been missed: {}", status.message());
+  // in the memory: requests, and what is the case now.
+  Status status = recover_requests();
+  const auto look = [&](std::optional<ConditionState>& state) {
+    if (state && status.ok()) status = seed(*state);
+  };
+  for (auto& [id, execution] : executions_) {
+    look(execution.attempt.hold);
+    look(execution.attempt.post);
+  }
+  for (Attempt& attempt : attempts_) {
+    look(attempt.pre);
+    look(attempt.hold);
+    look(attempt.post);
+  }
+  for (auto& [name, skill] : skills_) look(skill.when);
+  if (!status.ok()) log::warning("skills: something may have been missed: {}", status.message());
+  on_time();
 }
 
 void SkillEngine::on_time() {
@@ -183,12 +182,8 @@ void SkillEngine::shut_down() {
 }
 
 void SkillEngine::lose_all(const std::string& reason) {
-  while (!executions_.empty()) finish(executions_.begin(), ::skill::Outcome::LOST, reason, {});
-  for (auto& [name, skill] : skills_) {
-    if (!skill.is_available) continue;
-    skill.is_available = false;
-    write_executable(name, skill);
-  }
+  while (!executions_.empty()) lose(executions_.begin(), reason);
+  for (const auto& [name, provider] : providers_) take_away(name);
 }
 
 SkillCounters SkillEngine::counters() const {

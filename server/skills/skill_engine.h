@@ -126,6 +126,8 @@ class SkillEngine {
   Status introduce(const ProviderHello& hello);
   Status remove(const std::string& provider, const std::vector<std::string>& skills);
   void write_executable(const SkillName& name, KnownSkill& skill);
+  /// Nobody carries out the skills of this provider any more.
+  void take_away(const std::string& provider);
   void set_enabled(const SkillName& name, bool is_enabled);
   [[nodiscard]] Result<SkillName> find(const std::string& text) const;
 
@@ -156,6 +158,8 @@ class SkillEngine {
   void finish(Executions::iterator execution, ::skill::Outcome outcome, const std::string& reason,
               const SkillReport& last);
   void conclude(Executions::iterator execution);
+  /// Ends what nobody carries out any more; what its provider had ended already ends as it said.
+  void lose(Executions::iterator execution, const std::string& reason);
   void give_up_start(Execution& execution, const Status& status);
   [[nodiscard]] ::skill::Event event_of(const Execution& execution) const;
   /// Writes an end, now or as soon as the memory takes it.

@@ -143,7 +143,7 @@ void SkillEngine::conclude(Executions::iterator found) {
   const SkillReport end = *execution.end;
   ::skill::Outcome outcome = outcome_said(end.outcome);
   std::string reason = end.reason;
-  if (outcome == ::skill::Outcome::STOP && execution.stops_until) {
+  if (outcome != ::skill::Outcome::SUCCESS && execution.stops_until) {
     if (execution.is_late) outcome = ::skill::Outcome::FAILURE;
     reason = execution.stop_reason + (reason.empty() ? "" : "; " + reason);
   }
@@ -160,6 +160,13 @@ void SkillEngine::conclude(Executions::iterator found) {
         fmt::format("it ended, but what must be so afterwards is not: {}", fmt::join(unmet, "; "));
   }
   finish(found, outcome, reason, end);
+}
+
+void SkillEngine::lose(Executions::iterator found, const std::string& reason) {
+  if (!found->second.end) return finish(found, ::skill::Outcome::LOST, reason, {});
+  // It waits for its condition afterwards, which is judged by what is so now.
+  found->second.ends_until = now();
+  conclude(found);
 }
 
 void SkillEngine::check_holds(Execution& execution, const std::string& id) {

@@ -98,28 +98,30 @@ void SkillEngine::request_stop(const SkillName& name, const ltm::MemoryId& reque
                                const ::skill::ExecutionRequest& wanted) {
   bool is_found = false;
   const std::string only = wanted.execution ? wanted.execution->to_string() : "";
+  const auto is_meant = [&](const Attempt& attempt, const std::string& id) {
+    return attempt.name == name &&
+           (only.empty() || only == id || only == attempt.request.to_string());
+  };
   for (auto& [id, execution] : executions_) {
-    if (execution.attempt.name != name || (!only.empty() && only != id)) continue;
+    if (!is_meant(execution.attempt, id)) continue;
     is_found = true;
     tell_to_stop(id, execution, "somebody asked to stop it", {request});
   }
-  if (only.empty()) {
-    std::vector<Attempt> waiting;
-    std::swap(waiting, attempts_);
-    for (Attempt& attempt : waiting) {
-      if (attempt.name != name) {
-        attempts_.push_back(std::move(attempt));
-        continue;
-      }
-      is_found = true;
-      watched_.unwatch(attempt.watched);
-      refuse(name, attempt.request, "somebody asked to stop it while it waited");
+  std::vector<Attempt> waiting;
+  std::swap(waiting, attempts_);
+  for (Attempt& attempt : waiting) {
+    if (!is_meant(attempt, "")) {
+      attempts_.push_back(std::move(attempt));
+      continue;
     }
+    is_found = true;
+    watched_.unwatch(attempt.watched);
+    refuse(name, attempt.request, "somebody asked to stop it while it waited");
   }
   if (!is_found)
     refuse(name, request,
            only.empty() ? fmt::format("skill '{}': nothing of it runs or waits", name.to_string())
-                        : fmt::format("execution '{}' does not run", only));
+                        : fmt::format("'{}' neither runs nor waits", only));
 }
 
 Result<SkillEngine::Attempt> SkillEngine::prepare(const SkillName& name,
@@ -170,7 +172,7 @@ Status SkillEngine::prepare_conditions(const SkillDescription& skill, Attempt& a
 Status SkillEngine::seed(ConditionState& state) {
   for (const std::string& pattern : state.patterns()) {
     ENGRAM_ASSIGN_OR_RETURN(const auto snapshots, watched_.latest(pattern));
-    for (const ltm::Snapshot& snapshot : snapshots) state.seed(snapshot, std::nullopt);
+    for (const ltm::Snapshot& snapshot : snapshots) state.seed(snapshot);
   }
   return {};
 }

@@ -23,7 +23,7 @@ std::string segment_text(std::string_view segment) {
 }  // namespace
 
 Status SkillEngine::recover_skills() {
-  ENGRAM_ASSIGN_OR_RETURN(const auto known, watched_.latest(segment_text("Executable")));
+  ENGRAM_ASSIGN_OR_RETURN(const auto known, watched_.latest(segment_text(kExecutableSegment)));
   for (const ltm::Snapshot& snapshot : known) {
     records_.note(snapshot.entity, snapshot.time);
     if (snapshot.instances.empty()) continue;
@@ -54,7 +54,7 @@ Status SkillEngine::recover_skills() {
 }
 
 Status SkillEngine::recover_executions() {
-  ENGRAM_ASSIGN_OR_RETURN(const auto last, watched_.latest(segment_text("Event")));
+  ENGRAM_ASSIGN_OR_RETURN(const auto last, watched_.latest(segment_text(kEventSegment)));
   for (const ltm::Snapshot& snapshot : last) {
     records_.note(snapshot.entity, snapshot.time);
     auto event = ::skill::Event::from_idf(snapshot.instances.front().data);
@@ -82,7 +82,7 @@ Status SkillEngine::recover_executions() {
       ++counters_.lost;
     }
   }
-  ENGRAM_ASSIGN_OR_RETURN(const auto refused, watched_.latest(segment_text("Refusal")));
+  ENGRAM_ASSIGN_OR_RETURN(const auto refused, watched_.latest(segment_text(kRefusalSegment)));
   for (const ltm::Snapshot& snapshot : refused) records_.note(snapshot.entity, snapshot.time);
   return {};
 }
@@ -91,14 +91,14 @@ Status SkillEngine::recover_requests() {
   const auto recent = [&](std::string_view segment) {
     return watched_.select(segment_text(segment), kLookBack);
   };
-  ENGRAM_ASSIGN_OR_RETURN(const auto requests, recent("ExecutionRequest"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto requests, recent(kRequestSegment));
   if (requests.empty()) return {};
   std::set<std::string> answered;
-  ENGRAM_ASSIGN_OR_RETURN(const auto events, recent("Event"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto events, recent(kEventSegment));
   for (const ltm::Snapshot& snapshot : events)
     if (const auto event = ::skill::Event::from_idf(snapshot.instances.front().data); event.ok())
       answered.insert(event->request.to_string());
-  ENGRAM_ASSIGN_OR_RETURN(const auto refusals, recent("Refusal"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto refusals, recent(kRefusalSegment));
   for (const ltm::Snapshot& snapshot : refusals)
     if (const auto refusal = ::skill::Refusal::from_idf(snapshot.instances.front().data);
         refusal.ok())
@@ -217,6 +217,14 @@ void SkillEngine::write_executable(const SkillName& name, KnownSkill& skill) {
   else
     log::warning("skills: '{}' could not be noted: {}", name.to_string(),
                  written.status().message());
+}
+
+void SkillEngine::take_away(const std::string& provider) {
+  for (auto& [name, skill] : skills_) {
+    if (name.provider != provider || !skill.is_available) continue;
+    skill.is_available = false;
+    write_executable(name, skill);
+  }
 }
 
 void SkillEngine::set_enabled(const SkillName& name, bool is_enabled) {

@@ -18,19 +18,19 @@ ltm::MemoryId skill_entity(std::string_view segment, std::string_view provider,
 }  // namespace
 
 ltm::MemoryId executable_id(const SkillName& name) {
-  return skill_entity("Executable", name.provider, name.skill);
+  return skill_entity(kExecutableSegment, name.provider, name.skill);
 }
 
 ltm::MemoryId event_id(const SkillName& name) {
-  return skill_entity("Event", name.provider, name.skill);
+  return skill_entity(kEventSegment, name.provider, name.skill);
 }
 
 ltm::MemoryId refusal_id(const SkillName& name) {
-  return skill_entity("Refusal", name.provider, name.skill);
+  return skill_entity(kRefusalSegment, name.provider, name.skill);
 }
 
 ltm::MemoryId request_id(std::string_view requester, std::string_view skill) {
-  return skill_entity("ExecutionRequest", requester, skill);
+  return skill_entity(kRequestSegment, requester, skill);
 }
 
 Status check_name(std::string_view what, std::string_view name) {
@@ -51,10 +51,10 @@ std::vector<std::pair<ltm::MemoryId, idf::Type>> skill_types() {
     ENGRAM_CHECK(id.ok(), "{}", id.status().message());
     return *std::move(id);
   };
-  return {{segment("Executable"), ::skill::Executable::idf_type()},
-          {segment("ExecutionRequest"), ::skill::ExecutionRequest::idf_type()},
-          {segment("Event"), ::skill::Event::idf_type()},
-          {segment("Refusal"), ::skill::Refusal::idf_type()}};
+  return {{segment(kExecutableSegment), ::skill::Executable::idf_type()},
+          {segment(kRequestSegment), ::skill::ExecutionRequest::idf_type()},
+          {segment(kEventSegment), ::skill::Event::idf_type()},
+          {segment(kRefusalSegment), ::skill::Refusal::idf_type()}};
 }
 
 }  // namespace engram::skills

@@ -13,6 +13,10 @@ namespace engram::skills {
 
 /// The memory of skills, and its segments.
 inline constexpr std::string_view kSkillMemory = "Skill";
+inline constexpr std::string_view kExecutableSegment = "Executable";
+inline constexpr std::string_view kRequestSegment = "ExecutionRequest";
+inline constexpr std::string_view kEventSegment = "Event";
+inline constexpr std::string_view kRefusalSegment = "Refusal";
 
 /// "PROVIDER/SKILL", as requests name a skill.
 struct SkillName {

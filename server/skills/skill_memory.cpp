@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "ltm/core/mutex.h"
+#include "ltm/memory/answered_snapshots.h"
 
 namespace engram::skills {
 
@@ -70,13 +71,7 @@ struct SkillMemory::State {
         told_ns = std::max(told_ns.load(), to_ns(one.snapshot.time));
       post([](SkillEngine& one) { one.on_time(); });
     };
-    ENGRAM_ASSIGN_OR_RETURN(const auto pattern, ltm::NamePattern::parse(".*"));
-    std::vector<std::string> levels;
-    for (const std::string& name : options.clock->names()) {
-      ENGRAM_ASSIGN_OR_RETURN(const ltm::NamePattern level, ltm::NamePattern::name(name));
-      levels.push_back(level.to_string());
-    }
-    const std::string names = fmt::format("{}", fmt::join(levels, "/"));
+    const std::string names = ltm::exact_names(*options.clock);
     ENGRAM_ASSIGN_OR_RETURN(ticks, memory.subscribe({.names = {names}}, std::move(handlers)));
     ENGRAM_ASSIGN_OR_RETURN(const auto last, watched.latest(names));
     for (const ltm::Snapshot& snapshot : last)

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "ltm/memory/answered_snapshots.h"
+
 namespace engram::skills {
 
 namespace {
@@ -11,19 +13,6 @@ namespace {
 constexpr size_t kNamesOfOne = 250;
 /// Requests must not be dropped while a disk is slow.
 constexpr size_t kQueueBound = size_t{1} << 17;
-
-std::vector<ltm::Snapshot> snapshots_of(const ltm::QueryResult& answer) {
-  std::vector<ltm::Snapshot> snapshots;
-  for (const ltm::EntityResult* entity : answer.entities())
-    for (const ltm::SnapshotResult& one : entity->snapshots) {
-      if (one.source == ltm::Source::kPredicted || one.instances.empty()) continue;
-      ltm::Snapshot snapshot{entity->id, one.time, {}};
-      for (const ltm::InstanceResult& instance : one.instances)
-        snapshot.instances.push_back({instance.data, instance.metadata});
-      snapshots.push_back(std::move(snapshot));
-    }
-  return snapshots;
-}
 
 }  // namespace
 
@@ -71,7 +60,7 @@ Result<std::vector<ltm::Snapshot>> WatchedEntities::select(const std::string& pa
                                                            std::string_view selector) {
   auto answer = memory_.query(fmt::format("{} @ {}", pattern, selector));
   if (!answer.ok() && answer.status().code() != StatusCode::kNotFound) return answer.status();
-  return answer.ok() ? snapshots_of(*answer) : std::vector<ltm::Snapshot>();
+  return answer.ok() ? ltm::answered_snapshots(*answer) : std::vector<ltm::Snapshot>();
 }
 
 Result<std::optional<ltm::Snapshot>> WatchedEntities::at(const ltm::MemoryId& entity, Time time) {
@@ -79,7 +68,7 @@ Result<std::optional<ltm::Snapshot>> WatchedEntities::at(const ltm::MemoryId& en
       memory_.query(ltm::Query::of_entity(entity, ltm::select::At{time}), std::string());
   if (!answer.ok() && answer.status().code() != StatusCode::kNotFound) return answer.status();
   std::vector<ltm::Snapshot> found;
-  if (answer.ok()) found = snapshots_of(*answer);
+  if (answer.ok()) found = ltm::answered_snapshots(*answer);
   return found.empty() ? std::nullopt : std::optional(std::move(found.front()));
 }
 

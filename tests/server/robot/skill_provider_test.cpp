@@ -159,6 +159,27 @@ TEST_F(SkillProviderTest, GoesOnWhenTheServerIsBack) {
   EXPECT_EQ(events->entities().front()->snapshots.size(), 2U);
 }
 
+TEST_F(SkillProviderTest, WhoWaitsHearsTheEndAlthoughTheServerWasAway) {
+  start();
+  const auto provider = SkillProvider::connect(endpoint(), "arm");
+  ASSERT_OK(provider);
+  ASSERT_OK((*provider)->add("name: hold", [](SkillRun& run) {
+    while (!run.stop().stop_requested()) std::this_thread::sleep_for(milliseconds(1));
+    return SkillEnd::stopped();
+  }));
+  const auto asked = memory();
+  auto result =
+      std::async(std::launch::async, [&] { return run_skill(*asked, {.skill = "hold"}, {}); });
+  while ((*provider)->running() == 0) std::this_thread::sleep_for(milliseconds(1));
+  robot_.reset();
+  start();
+  ASSERT_EQ(result.wait_for(seconds(30)), std::future_status::ready);
+  const auto ended = result.get();
+  ASSERT_OK(ended);
+  EXPECT_FALSE(ended->is_refused);
+  EXPECT_NE(ended->end.outcome, Outcome::SUCCESS);
+}
+
 TEST_F(SkillProviderTest, ConditionsLookAtTheMemoriesOfOtherServers) {
   start_with(
       fmt::format("names: {{listen: '{}'}}\n"

@@ -36,7 +36,7 @@ idf::Data seen(bool is_visible) {
 }
 
 bool met_after(ConditionState& state, const ltm::Snapshot& what) {
-  state.offer(what, std::nullopt);
+  state.offer(what);
   return state.is_met(what.time);
 }
 
@@ -113,7 +113,7 @@ TEST(Condition, WhatIsNewIsSoForOneMoment) {
     return snapshot("Speech/C/h/t", milliseconds(ms), idf::Dict{{"text", text}});
   };
   // What was said before is not new.
-  state.seed(said(0, "Stop!"), std::nullopt);
+  state.seed(said(0, "Stop!"));
   EXPECT_FALSE(state.is_met(kStart));
   EXPECT_FALSE(met_after(state, said(1, "go on")));
   EXPECT_TRUE(met_after(state, said(2, "STOP")));

@@ -211,6 +211,45 @@ TEST(SkillMemory, StopsOnRequestAndWhenItTakesTooLong) {
   EXPECT_THAT(late->end.reason, HasSubstr("took longer than 50ms"));
 }
 
+TEST(SkillMemory, WhoGivesUpStopsItsOwnRequestAlone) {
+  SkillRobot robot;
+  const auto provider = PlainProvider::create(*robot.skills);
+  provider->come("p", {"name: one\n"});
+  ASSERT_OK(provider->welcomed());
+  auto first = ask(*robot.memory, {.skill = "one"});
+  const SkillStart start = provider->started();
+  std::stop_source stop;
+  auto second = std::async(std::launch::async, [&] {
+    return run_skill(*robot.memory, {.skill = "one", .requester = "other", .wait = seconds(20)}, {},
+                     stop.get_token());
+  });
+  while (robot.skills->counters().waiting == 0) std::this_thread::sleep_for(milliseconds(1));
+  stop.request_stop();
+  const auto given_up = second.get();
+  ASSERT_OK(given_up);
+  ASSERT_TRUE(given_up->is_refused);
+  EXPECT_THAT(given_up->refusal.reason, HasSubstr("asked to stop it while it waited"));
+  provider->end(start.execution);
+  const auto ended = first.get();
+  ASSERT_OK(ended);
+  EXPECT_EQ(ended->end.outcome, Outcome::SUCCESS);
+}
+
+TEST(SkillMemory, AProviderThatGoesAfterItsEndHasEnded) {
+  SkillRobot robot;
+  const auto provider = PlainProvider::create(*robot.skills);
+  provider->come("p", {"name: a\nconditions: {post: {entity: World, path: x, equals: 1}, "
+                       "post_within: 20s}\n"});
+  ASSERT_OK(provider->welcomed());
+  auto result = ask(*robot.memory, {.skill = "a"});
+  provider->end(provider->started().execution);
+  provider->go();
+  const auto ended = result.get();
+  ASSERT_OK(ended);
+  EXPECT_EQ(ended->end.outcome, Outcome::FAILURE);
+  EXPECT_THAT(ended->end.reason, HasSubstr("what must be so afterwards is not"));
+}
+
 TEST(SkillMemory, ConditionsStartASkillOncePerChange) {
   SkillRobot robot;
   const auto provider = PlainProvider::create(*robot.skills);
