@@ -243,7 +243,10 @@ def run_skill(
         try:
             while True:
                 event = watch.next(0.1)
-                found = [] if event is None else [(event.entity, event.time, event.value)]
+                # Values are objects of the types of the skill memory.
+                found: list[tuple[str, int, Any]] = []
+                if event is not None:
+                    found.append((event.entity, event.time, event.value))
                 missed = max(missed, watch.lost + watch.interruptions)
                 # A server that was away tells nobody what came meanwhile.
                 if missed and time.monotonic() > look_again:
