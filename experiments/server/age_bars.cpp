@@ -3,8 +3,6 @@
 // runs in a process of its own.
 #include <fcntl.h>
 #include <malloc.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -20,8 +18,7 @@
 
 #include "ltm/core/log.h"
 #include "server/age_roles.h"
-
-extern char** environ;
+#include "server/role_process.h"
 
 namespace engram::experiments {
 namespace {
@@ -54,82 +51,25 @@ struct Arguments {
   std::exit(1);
 }
 
-/// The process of a role. It prints "ready", reads commands and writes answers.
-class Child {
- public:
-  Child(const Arguments& arguments, const std::string& role, const std::string& endpoint,
-        AgeWay way, AgeObject object, int batch, int ages_fd) {
-    std::array<int, 2> in{};
-    std::array<int, 2> out{};
-    if (::pipe2(in.data(), O_CLOEXEC) != 0 || ::pipe2(out.data(), O_CLOEXEC) != 0)
-      die(unavailable("no pipe"));
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_adddup2(&actions, in[0], 0);
-    ::posix_spawn_file_actions_adddup2(&actions, out[1], 1);
-    if (ages_fd >= 0) ::posix_spawn_file_actions_adddup2(&actions, ages_fd, kAges);
-    std::vector<std::string> words = {"/proc/self/exe",
-                                      "--role",
-                                      role,
-                                      "--endpoint",
-                                      endpoint,
-                                      "--way",
-                                      std::to_string(static_cast<int>(way)),
-                                      "--object",
-                                      std::to_string(static_cast<int>(object)),
-                                      "--batch",
-                                      std::to_string(batch),
-                                      "--entries",
-                                      std::to_string(arguments.entries)};
-    if (arguments.is_tuned) words.emplace_back("--tuned");
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    if (::posix_spawn(&pid_, "/proc/self/exe", &actions, nullptr, argv.data(), environ) != 0)
-      die(unavailable("cannot start a process"));
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::close(in[0]);
-    ::close(out[1]);
-    to_ = in[1];
-    from_ = ::fdopen(out[0], "r");
-    if (read_line() != "ready") die(unavailable("{} '{}' did not start", role, to_string(way)));
-  }
-  ~Child() {
-    ::close(to_);
-    ::fclose(from_);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  std::string ask(const std::string& line) {
-    const std::string text = line + "\n";
-    if (::write(to_, text.data(), text.size()) < 0) die(unavailable("a process is gone"));
-    return read_line();
-  }
-
-  static constexpr int kAges = 9;
-
- private:
-  std::string read_line() {
-    char* line = nullptr;
-    size_t size = 0;
-    const ssize_t length = ::getline(&line, &size, from_);
-    std::string text(line, length > 0 ? static_cast<size_t>(length) - 1 : 0);
-    ::free(line);
-    return text;
-  }
-
-  pid_t pid_ = 0;
-  int to_ = -1;
-  FILE* from_ = nullptr;
-};
+/// The arguments of a process in another role.
+std::vector<std::string> words_of(const Arguments& arguments, const std::string& role,
+                                  const std::string& endpoint, AgeWay way, AgeObject object,
+                                  int batch) {
+  std::vector<std::string> words = {"--role",     role,
+                                    "--endpoint", endpoint,
+                                    "--way",      std::to_string(static_cast<int>(way)),
+                                    "--object",   std::to_string(static_cast<int>(object)),
+                                    "--batch",    std::to_string(batch),
+                                    "--entries",  std::to_string(arguments.entries)};
+  if (arguments.is_tuned) words.emplace_back("--tuned");
+  return words;
+}
 
 /// The processes of one way.
 struct Chain {
-  std::unique_ptr<Child> middle;
-  std::unique_ptr<Child> consumer;
-  std::unique_ptr<Child> producer;
+  std::unique_ptr<RoleProcess> middle;
+  std::unique_ptr<RoleProcess> consumer;
+  std::unique_ptr<RoleProcess> producer;
 };
 
 Chain start_chain(const Arguments& arguments, const std::string& folder, AgeWay way,
@@ -139,7 +79,8 @@ Chain start_chain(const Arguments& arguments, const std::string& folder, AgeWay 
   if (::pipe2(ages.data(), O_CLOEXEC) != 0) die(unavailable("no pipe"));
   const std::string endpoint = "unix:" + folder + "/" + std::to_string(static_cast<int>(way));
   const auto start = [&](const char* role, int fd) {
-    return std::make_unique<Child>(arguments, role, endpoint, way, object, batch, fd);
+    return std::make_unique<RoleProcess>(words_of(arguments, role, endpoint, way, object, batch),
+                                         fd);
   };
   if (way != AgeWay::kDirect) chain.middle = start(way == AgeWay::kRelay ? "relay" : "memory", -1);
   chain.consumer = start("consumer", ages[1]);
@@ -160,7 +101,7 @@ struct Found {
   std::vector<int64_t> sends;
 };
 
-void sample(Child& producer, int count, Found* found) {
+void sample(RoleProcess& producer, int count, Found* found) {
   const json answer = json::parse(producer.ask(std::to_string(count)));
   if (found == nullptr) return;
   for (const auto& age : answer["ages"]) found->ages.push_back(age);
@@ -187,8 +128,8 @@ std::map<AgeWay, Found> measure(const Arguments& arguments, const std::string& f
 json measure_subscribers(const Arguments& arguments, const std::string& folder) {
   const std::string endpoint = "unix:" + folder + "/subscribers";
   const auto start = [&](const char* role) {
-    return std::make_unique<Child>(arguments, role, endpoint, AgeWay::kMemory, AgeObject::kModerate,
-                                   1, -1);
+    return std::make_unique<RoleProcess>(
+        words_of(arguments, role, endpoint, AgeWay::kMemory, AgeObject::kModerate, 1));
   };
   const auto memory = start("memory");
   const auto producer = start("pacer");
@@ -196,7 +137,7 @@ json measure_subscribers(const Arguments& arguments, const std::string& folder) 
   std::map<int, std::vector<int64_t>> sends;
   for (int round = 0; round < arguments.rounds; ++round)
     for (const int count : {1, 2, 20}) {
-      std::vector<std::unique_ptr<Child>> listeners;
+      std::vector<std::unique_ptr<RoleProcess>> listeners;
       for (int i = 0; i < count; ++i) listeners.push_back(start("listener"));
       sample(*producer, 20, nullptr);
       Found found;
@@ -309,7 +250,8 @@ void produce(const Arguments& arguments, bool is_paced) {
       }
       if (const Status sent = (*producer)->send(commit); !sent.ok()) die(sent);
       int64_t age = 0;
-      if (::read(Child::kAges, &age, sizeof(age)) != sizeof(age)) die(unavailable("no consumer"));
+      if (::read(RoleProcess::kShared, &age, sizeof(age)) != sizeof(age))
+        die(unavailable("no consumer"));
       ages.push_back(age);
     }
     std::cout << json{{"ages", ages}, {"sends", sends}}.dump() << std::endl;
@@ -325,7 +267,7 @@ int run_role(const Arguments& arguments) {
     return 0;
   }
   const auto tell = [](int64_t age) {
-    if (::write(Child::kAges, &age, sizeof(age)) < 0) std::exit(1);
+    if (::write(RoleProcess::kShared, &age, sizeof(age)) < 0) std::exit(1);
   };
   auto role = arguments.role == "memory"  ? start_memory(arguments.endpoint, arguments.entries)
               : arguments.role == "relay" ? start_relay(arguments.endpoint)

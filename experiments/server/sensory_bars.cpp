@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Measures what two cameras cost that nobody attends to, and whether attention that opens finds
 // what came before. Server, provider and subscriber are processes of their own.
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -21,8 +18,7 @@
 #include "ltm/core/log.h"
 #include "server/client/memory_client.h"
 #include "server/robot/memory_server.h"
-
-extern char** environ;
+#include "server/role_process.h"
 
 namespace engram::experiments {
 namespace {
@@ -66,67 +62,18 @@ json times_of(const std::vector<double>& values) {
           {"max_us", percentile(values, 1)}};
 }
 
-/// A process of this program that answers lines with lines.
-class Peer {
- public:
-  Peer(const Arguments& arguments, const std::string& role, const std::string& endpoint) {
-    std::array<int, 2> in{};
-    std::array<int, 2> out{};
-    if (::pipe2(in.data(), O_CLOEXEC) != 0 || ::pipe2(out.data(), O_CLOEXEC) != 0)
-      die(unavailable("no pipe"));
-    posix_spawn_file_actions_t actions;
-    ::posix_spawn_file_actions_init(&actions);
-    ::posix_spawn_file_actions_adddup2(&actions, in[0], 0);
-    ::posix_spawn_file_actions_adddup2(&actions, out[1], 1);
-    std::vector<std::string> words = {"/proc/self/exe",
-                                      "--role",
-                                      role,
-                                      "--endpoint",
-                                      endpoint,
-                                      "--rate",
-                                      std::to_string(arguments.rate_hz),
-                                      "--hold",
-                                      std::to_string(arguments.hold_ms)};
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    if (::posix_spawn(&pid_, "/proc/self/exe", &actions, nullptr, argv.data(), environ) != 0)
-      die(unavailable("cannot start a process"));
-    ::posix_spawn_file_actions_destroy(&actions);
-    ::close(in[0]);
-    ::close(out[1]);
-    to_ = in[1];
-    from_ = ::fdopen(out[0], "r");
-    if (read_line() != "ready") die(unavailable("the {} did not start", role));
-  }
-  ~Peer() {
-    ::close(to_);
-    ::fclose(from_);
-    ::waitpid(pid_, nullptr, 0);
-  }
-  Peer(const Peer&) = delete;
-  Peer& operator=(const Peer&) = delete;
+/// The arguments of a process in another role.
+std::vector<std::string> words_of(const Arguments& arguments, const std::string& role,
+                                  const std::string& endpoint) {
+  return {"--role",     role,
+          "--endpoint", endpoint,
+          "--rate",     std::to_string(arguments.rate_hz),
+          "--hold",     std::to_string(arguments.hold_ms)};
+}
 
-  void tell(const std::string& line) {
-    const std::string text = line + "\n";
-    if (::write(to_, text.data(), text.size()) < 0) die(unavailable("a process is gone"));
-  }
-  json answer() { return json::parse(read_line()); }
-
- private:
-  std::string read_line() {
-    char* line = nullptr;
-    size_t size = 0;
-    const ssize_t length = ::getline(&line, &size, from_);
-    std::string text(line, length > 0 ? static_cast<size_t>(length) - 1 : 0);
-    ::free(line);
-    return text;
-  }
-
-  pid_t pid_ = 0;
-  int to_ = -1;
-  FILE* from_ = nullptr;
-};
+json answer_of(RoleProcess& process) {
+  return json::parse(process.answer());
+}
 
 // --- The children ---
 
@@ -283,22 +230,22 @@ int run_bars(const Arguments& arguments) {
                              found <= max ? "reached" : "MISSED");
   };
   {
-    Peer memory(arguments, "memory", endpoint);
-    Peer provider(arguments, "provider", endpoint);
-    Peer subscriber(arguments, "subscriber", endpoint);
+    RoleProcess memory(words_of(arguments, "memory", endpoint));
+    RoleProcess provider(words_of(arguments, "provider", endpoint));
+    RoleProcess subscriber(words_of(arguments, "subscriber", endpoint));
     std::cout << fmt::format("Two images of {} x {} x 3, {:.0f} Hz, held {:.0f} ms\n", kWidth,
                              kHeight, arguments.rate_hz, arguments.hold_ms);
     // The pages of a ring are new once.
     provider.tell("2");
-    json warm = provider.answer();
+    json warm = answer_of(provider);
     report["first_seconds"] = times_of(warm["took"].get<std::vector<double>>());
     say("commit, the first two seconds", report["first_seconds"]);
     provider.tell(std::to_string(arguments.seconds));
-    json found = provider.answer();
+    json found = answer_of(provider);
     report["unattended"] = times_of(found["took"].get<std::vector<double>>());
     report["memcpy"] = times_of(found["copied"].get<std::vector<double>>());
     memory.tell("");
-    report["after_unattended"] = memory.answer();
+    report["after_unattended"] = answer_of(memory);
     say("commit, nobody attends", report["unattended"]);
     say("memcpy of the same bytes", report["memcpy"]);
     const double stored = report["after_unattended"]["stored"].get<double>() +
@@ -317,10 +264,10 @@ int run_bars(const Arguments& arguments) {
     std::this_thread::sleep_for(milliseconds(700));
     for (int i = 0; i < arguments.openings; ++i) {
       subscriber.tell(std::to_string(attended_s));
-      attentions.push_back(subscriber.answer());
+      attentions.push_back(answer_of(subscriber));
       std::this_thread::sleep_for(std::chrono::duration<double>(pause_s));
     }
-    found = provider.answer();
+    found = answer_of(provider);
     std::vector<std::pair<int64_t, int64_t>> commits;
     for (const auto* all : {&warm["commits"], &found["commits"]})
       for (const auto& one : *all) commits.emplace_back(one[0], one[1]);
@@ -346,7 +293,7 @@ int run_bars(const Arguments& arguments) {
     report["opening"] = times_of(opening);
     say("attention opens with what is held", report["opening"]);
     memory.tell("");
-    report["at_the_end"] = memory.answer();
+    report["at_the_end"] = answer_of(memory);
     std::cout << fmt::format("  snapshots of one eye that attention must tell of: {}\n", expected);
     bar("of these missing", missing, 0);
     bar("told twice or out of order", twice, 0);
@@ -357,8 +304,8 @@ int run_bars(const Arguments& arguments) {
     subscriber.tell(std::to_string(arguments.seconds / 3 + 1));
     std::this_thread::sleep_for(milliseconds(500));
     provider.tell(std::to_string(arguments.seconds / 3));
-    report["attended"] = times_of(provider.answer()["took"].get<std::vector<double>>());
-    subscriber.answer();
+    report["attended"] = times_of(answer_of(provider)["took"].get<std::vector<double>>());
+    answer_of(subscriber);
     say("commit, somebody attends", report["attended"]);
     std::cout << "  " << report["at_the_end"].dump() << "\n";
   }
