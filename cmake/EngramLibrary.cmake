@@ -47,6 +47,21 @@ function(engram_add_library name)
   endif()
 endfunction()
 
+# engram_add_room_types(skills skill_types.xml)
+#
+# C++ for the types of a room, from IDF files beside its sources. Headers of the room may include
+# what is generated, which is therefore installed where they are: with the component `internals`.
+function(engram_add_room_types name)
+  engram_add_idf_types(engram_${name} ROOT ${PROJECT_SOURCE_DIR} FILES ${ARGN})
+  file(RELATIVE_PATH room ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  foreach(xml IN LISTS ARGN)
+    cmake_path(GET xml STEM LAST_ONLY stem)
+    install(FILES ${CMAKE_CURRENT_BINARY_DIR}/engram_${name}_idf_types/${room}/${stem}.h
+            DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/engram/${room}
+            COMPONENT internals EXCLUDE_FROM_ALL)
+  endforeach()
+endfunction()
+
 # engram_cold(engram_measure [HOT similarity.cpp])
 #
 # A room where no program spends its time, but for its HOT sources: release builds optimise it with

@@ -25,7 +25,7 @@ struct DriveRequest {
 
 /// Commits the plans and events of a robot's drives, each with its links.
 ///
-/// Plans are Navigation/Plan/<robot>/drive, events are Navigation/Event/<robot>/drive.
+/// Plans are Navigation/Plan/ROBOT/drive, events are Navigation/Event/ROBOT/drive.
 /// Threading: one thread.
 /// Owns: nothing of the memory, which must outlive it.
 class DriveLog {
