@@ -6,7 +6,14 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-_DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "torch": "python3-torch"}
+_DEBIAN = {
+    "matplotlib": "python3-matplotlib",
+    "pandas": "python3-pandas",
+    "roslib.message": "python3-roslib",
+    "torch": "python3-torch",
+}
+# Packages of ROS are not on the index that pip asks.
+_DEBIAN_ALONE = ("actionlib", "genpy", "rosgraph", "roslib.message", "rospy")
 
 
 class MissingPackageError(ImportError):
@@ -19,6 +26,7 @@ def needs(package: str, what: str) -> ModuleType:
         return importlib.import_module(package)
     except ImportError as error:
         debian = _DEBIAN.get(package, f"python3-{package}")
+        other = "" if package in _DEBIAN_ALONE else f"  (or: pip install {package})"
         raise MissingPackageError(
-            f"{what} needs {package}: sudo apt-get install {debian}  (or: pip install {package})"
+            f"{what} needs {package}: sudo apt-get install {debian}{other}"
         ) from error
