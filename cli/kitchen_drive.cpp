@@ -9,7 +9,7 @@
 #include "server/kitchen/body_client.h"
 #include "server/navigation/cost_map_provider.h"
 #include "server/navigation/driver.h"
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_types.h"
 
 namespace engram::cli {
 

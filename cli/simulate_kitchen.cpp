@@ -28,7 +28,7 @@ constexpr const char* kSimulateKitchenFooter = R"(Examples:
   engram simulate kitchen kitchen.engram --fast --seconds 20
   engram simulate kitchen --folder episodes --seed 1..5 --jobs 2
   engram simulate kitchen --folder plain --plain --fast --seconds 20
-  engram query kitchen.engram 'Skills/Actions @ all'
+  engram query kitchen.engram 'Skill/Event @ all'
   engram simulate kitchen --live                     beside 'engram serve robot.engram'
   engram simulate kitchen --live --fast --chair 1.0,0.2 --person -0.6,-1
   engram simulate kitchen --live --stepped --fast --seconds 5

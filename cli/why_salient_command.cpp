@@ -22,7 +22,7 @@ all snapshots that have none yet. What has little goes first where forgetting sa
 docs/forgetting.md).
 
 Examples:
-  engram why-salient kitchen.engram Skills/Actions/robot/pick
+  engram why-salient kitchen.engram Skill/Event/robot/pick
   engram why-salient kitchen.engram 'Objects/Instances/kitchen/tea_1/2026-01-01 08:00:10' --json
   engram why-salient robot.engram Vision/RGB/head/cam --keep)";
 

@@ -3,6 +3,7 @@
 
 #include "datasets/kitchen/kitchen.h"
 #include "datasets/kitchen/kitchen_types.h"
+#include "ltm/skills/skill_ids.h"
 
 namespace engram::datasets {
 
@@ -53,8 +54,14 @@ ltm::MemoryId speech() {
 ltm::MemoryId plan() {
   return id("Tasks", "Plans", "robot", "plan");
 }
+ltm::MemoryId executable(std::string_view skill) {
+  return skills::executable_id({"robot", std::string(skill)});
+}
+ltm::MemoryId request(std::string_view skill) {
+  return skills::request_id("planner", skill);
+}
 ltm::MemoryId action(std::string_view skill) {
-  return id("Skills", "Actions", "robot", skill);
+  return skills::event_id({"robot", std::string(skill)});
 }
 
 }  // namespace kitchen::entities
@@ -63,19 +70,23 @@ std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types() {
   namespace of = kitchen::entities;
   const auto core = [](const ltm::MemoryId& entity) { return entity.parent().parent(); };
   const kitchen::ThingClass& any = kitchen::all_thing_classes().front();
-  return {{core(of::recording()), ::kitchen::Recording::idf_type()},
-          {core(of::calibration("left")), ::kitchen::CameraCalibration::idf_type()},
-          {core(of::stereo()), ::kitchen::View::idf_type()},
-          {core(of::depth()), ::kitchen::DepthView::idf_type()},
-          {core(of::description()), ::kitchen::RobotDescription::idf_type()},
-          {core(of::joints()), ::kitchen::JointState::idf_type()},
-          {core(of::platform()), ::kitchen::PlatformState::idf_type()},
-          {core(of::object_class(any)), ::kitchen::ObjectClass::idf_type()},
-          {core(of::surface(kitchen::Surface::kTable)), ::kitchen::Surface::idf_type()},
-          {core(of::object(any)), ::kitchen::ObjectInstance::idf_type()},
-          {core(of::speech()), ::kitchen::Speech::idf_type()},
-          {core(of::plan()), ::kitchen::Plan::idf_type()},
-          {core(of::action("pick")), ::kitchen::Action::idf_type()}};
+  std::vector<std::pair<ltm::MemoryId, idf::Type>> types{
+      {core(of::recording()), ::kitchen::Recording::idf_type()},
+      {core(of::calibration("left")), ::kitchen::CameraCalibration::idf_type()},
+      {core(of::stereo()), ::kitchen::View::idf_type()},
+      {core(of::depth()), ::kitchen::DepthView::idf_type()},
+      {core(of::description()), ::kitchen::RobotDescription::idf_type()},
+      {core(of::joints()), ::kitchen::JointState::idf_type()},
+      {core(of::platform()), ::kitchen::PlatformState::idf_type()},
+      {core(of::object_class(any)), ::kitchen::ObjectClass::idf_type()},
+      {core(of::surface(kitchen::Surface::kTable)), ::kitchen::Surface::idf_type()},
+      {core(of::object(any)), ::kitchen::ObjectInstance::idf_type()},
+      {core(of::speech()), ::kitchen::Speech::idf_type()},
+      {core(of::plan()), ::kitchen::Plan::idf_type()}};
+  for (auto& one : skills::skill_types()) types.push_back(std::move(one));
+  // The robot of a recording tells more of an execution than every skill does.
+  types.emplace_back(of::action("pick").parent(), ::kitchen::Action::idf_type());
+  return types;
 }
 
 }  // namespace engram::datasets

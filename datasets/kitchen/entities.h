@@ -22,6 +22,9 @@ namespace engram::datasets::kitchen::entities {
 [[nodiscard]] ltm::MemoryId object(const ThingClass& type);
 [[nodiscard]] ltm::MemoryId speech();
 [[nodiscard]] ltm::MemoryId plan();
+/// A skill of the robot, who asked for it, and what became of it.
+[[nodiscard]] ltm::MemoryId executable(std::string_view skill);
+[[nodiscard]] ltm::MemoryId request(std::string_view skill);
 [[nodiscard]] ltm::MemoryId action(std::string_view skill);
 
 }  // namespace engram::datasets::kitchen::entities

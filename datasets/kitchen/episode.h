@@ -27,10 +27,11 @@ class Episode {
   [[nodiscard]] const KitchenSummary& summary() const { return summary_; }
 
  private:
-  using Outcome = ::kitchen::Outcome;
+  using Outcome = ::skill::Outcome;
 
   /// An action that has begun and has not ended.
   struct Running {
+    std::string skill;
     ::kitchen::Action action;
     size_t thing = 0;
   };
@@ -65,7 +66,7 @@ class Episode {
 
   Running begin(const Task& task, const std::string& skill, std::optional<Surface> surface);
   void end(Running& running, Outcome outcome, const std::string& reason,
-           std::optional<ltm::MemoryId> stopped_by = std::nullopt);
+           const std::optional<ltm::MemoryId>& stopped_by = std::nullopt);
   void plan(const Task& task, const ltm::MemoryId& command);
 
   World& world_;

@@ -3,6 +3,7 @@
 
 #include "datasets/kitchen/entities.h"
 #include "datasets/kitchen/episode.h"
+#include "datasets/kitchen/recorded_skills.h"
 
 namespace engram::datasets::kitchen {
 
@@ -26,27 +27,43 @@ void Episode::plan(const Task& task, const ltm::MemoryId& command) {
 Episode::Running Episode::begin(const Task& task, const std::string& skill,
                                 std::optional<Surface> surface) {
   const Time now = reporter_.time_of(sample_);
-  Running running;
+  const ltm::MemoryId object = entities::object(*world_.layout().things[task.thing].type);
+  Running running{.skill = skill, .thing = task.thing};
   ::kitchen::Action& action = running.action;
-  action.skill = skill;
-  action.number = actions_++;
-  action.started = now;
-  action.outcome = Outcome::RUNNING;
   if (skill == "pick" || skill == "place") action.hand = to_string(task.hand);
-  action.plan = plan_id_;
-  action.object_before =
-      entities::object(*world_.layout().things[task.thing].type).at(now).instance(0);
   if (surface) action.surface = entities::surface(*surface);
+  action.object_before = object.at(now).instance(0);
+  action.plan = plan_id_;
   action.image = entities::stereo().at(now).instance(0);
   action.joints = entities::joints().at(now).instance(0);
   action.platform = entities::platform().at(now).instance(0);
-  running.thing = task.thing;
-  if (!is_over()) reporter_.report_action(sample_, action);
+  action.number = actions_++;
+
+  const ::skill::ExecutionRequest request =
+      recorded_request(skill, object, action.surface, action.hand, plan_id_);
+  action.skill = request.skill;
+  action.stage = ::skill::Stage::STARTED;
+  action.outcome = Outcome::RUNNING;
+  action.started = now;
+  action.request = entities::request(skill).at(now).instance(0);
+  action.executable = entities::executable(skill).at(reporter_.time_of(0)).instance(0);
+  action.parameters = request.parameters;
+  action.inputs = {*action.object_before};
+  if (action.surface) action.inputs.push_back(*action.surface);
+  action.result = "{}";
+  action.running = {now};
+  if (is_over()) return running;
+  reporter_.report_request(sample_, skill, request);
+  const ltm::MemoryId begun = reporter_.report_action(sample_, skill, action);
+  // What is told at its end.
+  action.stage = ::skill::Stage::ENDED;
+  action.execution = begun;
+  action.running.clear();
   return running;
 }
 
 void Episode::end(Running& running, Outcome outcome, const std::string& reason,
-                  std::optional<ltm::MemoryId> stopped_by) {
+                  const std::optional<ltm::MemoryId>& stopped_by) {
   if (is_over()) return;
   const Time now = reporter_.time_of(sample_);
   ::kitchen::Action& action = running.action;
@@ -55,8 +72,9 @@ void Episode::end(Running& running, Outcome outcome, const std::string& reason,
   action.reason = reason;
   action.object_after =
       entities::object(*world_.layout().things[running.thing].type).at(now).instance(0);
-  action.stopped_by = std::move(stopped_by);
-  reporter_.report_action(sample_, action);
+  action.results = {*action.object_after};
+  if (stopped_by) action.stopped_by = {*stopped_by};
+  reporter_.report_action(sample_, running.skill, action);
   if (outcome == Outcome::SUCCESS) ++summary_.succeeded;
   if (outcome == Outcome::FAILURE) ++summary_.failed;
   if (outcome == Outcome::STOP) ++summary_.stopped;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "datasets/kitchen/entities.h"
+#include "datasets/kitchen/recorded_skills.h"
 #include "datasets/kitchen/robot_urdf.h"
 #include "ltm/typed/image.h"
 
@@ -57,6 +58,8 @@ void Reporter::report_prior(const Layout& layout) {
     add(entities::surface(surface), 0, {facts::surface(surface)}, "prior");
   for (const ThingClass& type : all_thing_classes())
     add(entities::object_class(type), 0, {facts::object_class(type)}, "prior");
+  for (const auto& [skill, executable] : recorded_skills())
+    add(entities::executable(skill), 0, {executable.to_idf()}, "skills");
 }
 
 ltm::MemoryId Reporter::report_speech(uint64_t sample, const std::string& speaker,
@@ -73,11 +76,18 @@ ltm::MemoryId Reporter::report_plan(uint64_t sample, const ::kitchen::Plan& plan
   return entities::plan().at(time_of(sample)).instance(0);
 }
 
-ltm::MemoryId Reporter::report_action(uint64_t sample, const ::kitchen::Action& action) {
-  add(entities::action(action.skill), sample, {action.to_idf()}, "skills");
+ltm::MemoryId Reporter::report_request(uint64_t sample, const std::string& skill,
+                                       const ::skill::ExecutionRequest& request) {
+  add(entities::request(skill), sample, {request.to_idf()}, "planner");
+  return entities::request(skill).at(time_of(sample)).instance(0);
+}
+
+ltm::MemoryId Reporter::report_action(uint64_t sample, const std::string& skill,
+                                      const ::kitchen::Action& action) {
+  add(entities::action(skill), sample, {action.to_idf()}, "skills");
   // Every begin and end of an action has object poses, although it need not fall on their 5 Hz.
   objects_are_due_ = true;
-  return entities::action(action.skill).at(time_of(sample)).instance(0);
+  return entities::action(skill).at(time_of(sample)).instance(0);
 }
 
 void Reporter::add_robot(uint64_t sample) {

@@ -35,9 +35,13 @@ class Reporter {
 
   /// These report speech, plans and actions at the time of the sample that is recorded next, and
   /// return their IDs, for links. With actions, object poses of the same time are recorded.
+  /// `skill`: its name without the robot's.
   ltm::MemoryId report_speech(uint64_t sample, const std::string& speaker, const std::string& text);
   ltm::MemoryId report_plan(uint64_t sample, const ::kitchen::Plan& plan);
-  ltm::MemoryId report_action(uint64_t sample, const ::kitchen::Action& action);
+  ltm::MemoryId report_request(uint64_t sample, const std::string& skill,
+                               const ::skill::ExecutionRequest& request);
+  ltm::MemoryId report_action(uint64_t sample, const std::string& skill,
+                              const ::kitchen::Action& action);
 
   /// Records joints and platform and, if they are due, images and objects, and commits them with
   /// everything that was reported since the last call. The world must be refreshed.

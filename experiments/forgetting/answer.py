@@ -67,7 +67,7 @@ class Answers:
 
     def last_success(self, skill, question):
         ended = [int(value["ended"]) for when, value in self.actions
-                 if value["skill"] == skill and value["outcome"] == 1 and when <= question["time"]
+                 if days.skill_of(value) == skill and value["outcome"] == 1 and when <= question["time"]
                  and days.name_of(value["object_before"]) == question["object"]]
         return max(ended, default=None)
 
@@ -126,7 +126,7 @@ class Answers:
         if not begun:
             return None
         value = max(begun, key=lambda one: one[0])[1]
-        return [value["skill"], days.name_of(value["object_before"])]
+        return [days.skill_of(value), days.name_of(value["object_before"])]
 
     def what_said(self, question):
         said = [value["text"] for when, value in self.speech if when <= question["time"]]

@@ -27,7 +27,7 @@ CAMERA = "Vision/RGB/head/stereo"
 PLATFORM = "RobotState/Localization/robot/platform"
 SPEECH = "Speech/Commands/human/text"
 OBJECTS = "Objects/Instances/kitchen"
-ACTIONS = "Skills/Actions/robot"
+ACTIONS = "Skill/Event/robot"
 RECORDING = """entities:
   - match: Vision
     filters: [{frequency: {rate: 2500mHz}}]
@@ -114,6 +114,11 @@ def name_of(link):
     return link.split("/")[3].removesuffix("_1") if link else None
 
 
+def skill_of(value):
+    """The skill of an event, without its provider."""
+    return value["skill"].rpartition("/")[2]
+
+
 def truth_of(rows_of):
     """What happened on a day. `rows_of` gives names and rows (time, value) below an ID."""
     return {
@@ -121,7 +126,7 @@ def truth_of(rows_of):
             {"time": when, "position": [float(x) for x in value["pose_world_object"]["position"]],
              "is_visible": bool(value["is_visible"]), "held_by": value["held_by"]}
             for when, value in rows] for name, rows in rows_of(OBJECTS)},
-        "actions": sorted(({"time": when, "skill": value["skill"], "started": int(value["started"]),
+        "actions": sorted(({"time": when, "skill": skill_of(value), "started": int(value["started"]),
                             "ended": value["ended"] and int(value["ended"]),
                             "outcome": int(value["outcome"]),
                             "object": name_of(value["object_before"])}

@@ -103,7 +103,7 @@ class Asked:
     @staticmethod
     def _actions(memory: Any, first: int, end: int) -> list[tuple[int, int, str]]:
         found = []
-        for snapshots in memory.query("Skills/Actions @ all").values():
+        for snapshots in memory.query("Skill/Event @ all").values():
             for snapshot in snapshots:
                 action = snapshot.value
                 if action["ended"] is None or not first <= snapshot.time <= end:

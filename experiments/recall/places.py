@@ -21,7 +21,7 @@ import numpy.typing as npt
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CAMERA = "Vision/RGB/head/stereo"
-SKILLS = "Skills/Actions/robot/"
+SKILLS = "Skill/Event/robot/"
 EXAMPLES = """Examples:
   python3 -m experiments.recall.places --store build/recall/kitchens.engram
   python3 -m experiments.recall.places --store kitchen.engram --questions 500 --seed 3 --json out.json
@@ -52,7 +52,7 @@ class Things:
                                 for two in links])
         self.actions: dict[str, list[tuple[int, int]]] = {}
         self.linking: dict[str, set[tuple[str, int]]] = {}
-        for snapshots in memory.query("Skills/Actions @ all").values():
+        for snapshots in memory.query("Skill/Event @ all").values():
             for snapshot in snapshots:
                 self._add_action(snapshot)
 

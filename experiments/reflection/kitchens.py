@@ -13,13 +13,17 @@ import numpy as np
 JOINTS = "RobotState/Proprioception/robot/joints"
 PLATFORM = "RobotState/Localization/robot/platform"
 CAMERA = "Vision/RGB/head/stereo"
-TYPES = pathlib.Path(__file__).resolve().parents[2] / "datasets/kitchen/kitchen_types.xml"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+TYPES = ROOT / "datasets/kitchen/kitchen_types.xml"
+SKILL_TYPES = "ltm/skills/skill_types.xml"
 MOMENT = re.compile(r"/(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+)/\d+$")
 CLASSES = {
     "Objects/Classes": "ObjectClass", "Objects/Instances": "ObjectInstance",
     "Objects/Surfaces": "Surface", "RobotState/Description": "RobotDescription",
     "RobotState/Localization": "PlatformState", "RobotState/Proprioception": "JointState",
-    "Simulation/Recording": "Recording", "Skills/Actions": "Action", "Speech/Commands": "Speech",
+    "Simulation/Recording": "Recording", "Skill/Executable": "Executable",
+    "Skill/ExecutionRequest": "ExecutionRequest", "Skill/Event": "Event",
+    "Skill/Event/robot": "Action", "Speech/Commands": "Speech",
     "Tasks/Plans": "Plan", "Vision/Calibration": "CameraCalibration", "Vision/RGB": "View",
 }
 
@@ -85,7 +89,7 @@ class Kitchen:
         return [name for name in self.entities if name.startswith("Objects/Instances/")]
 
     def actions(self):
-        return [name for name in self.entities if name.startswith("Skills/Actions/")]
+        return [name for name in self.entities if name.startswith("Skill/Event/")]
 
     def between(self, entity, first, last):
         """Indices of the snapshots of a span."""
@@ -124,8 +128,9 @@ def kitchen_types(made=[]):  # noqa: B006: made once.
     """The classes that `engram idf generate` makes of the types of the kitchen."""
     if not made:
         folder = tempfile.mkdtemp()
-        subprocess.run([kitchen_types.engram, "idf", "generate", TYPES, "--python", folder],
-                       check=True, stdout=subprocess.DEVNULL)
+        for types, where in ((TYPES, folder), (ROOT / SKILL_TYPES, f"{folder}/ltm/skills")):
+            subprocess.run([kitchen_types.engram, "idf", "generate", types, "-I", ROOT,
+                            "--python", where], check=True, stdout=subprocess.DEVNULL)
         sys.path.insert(0, folder)
         made.append(__import__("kitchen_types"))
     return made[0]

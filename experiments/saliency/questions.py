@@ -19,7 +19,7 @@ import numpy as np
 
 PLATFORM = "RobotState/Localization/robot/platform"
 OBJECTS = "Objects/Instances/kitchen/"
-ACTIONS = "Skills/Actions/robot/"
+ACTIONS = "Skill/Event/robot/"
 SPEECH = "Speech/Commands/human/text"
 MAX_METRES = 0.05
 FAILURES = {2: "failure", 3: "stop"}
@@ -69,7 +69,7 @@ class Kitchens:
         self.actions = []
         for name in names:
             if name.startswith(ACTIONS):
-                self.actions += [(int(value["started"]), when, value["skill"],
+                self.actions += [(int(value["started"]), when, value["skill"].rpartition("/")[2],
                                   name_of(value.get("object_before")), int(value["outcome"]))
                                  for when, value in rows(name)]
         self.actions.sort()

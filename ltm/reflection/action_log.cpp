@@ -5,6 +5,7 @@
 #include <ranges>
 #include <tuple>
 
+#include "ltm/idf/json.h"
 #include "ltm/reflection/robust.h"
 
 namespace engram::ltm {
@@ -50,14 +51,22 @@ bool ActionLog::add(const MemoryId& entity, Time time, const idf::Data& value,
   const auto started = time_member(*dict, "started");
   row.has_started = started.has_value();
   row.started = started.value_or(time);
-  row.hand = text_member(*dict, "hand");
-  for (const idf::DictEntry& member : *dict)
-    if (row.object.empty() && member.key.starts_with("object"))
-      row.object = name_behind(text_member(*dict, member.key));
-  for (const char* name : {"surface", "place", "location", "target"})
-    if (row.place.empty()) row.place = name_behind(text_member(*dict, name));
+  take_names(*dict, row);
+  // An event of a skill has them in its parameters, which are JSON.
+  if (const std::string text = text_member(*dict, "parameters"); !text.empty())
+    if (const auto parameters = idf::from_json_text(text); parameters.ok())
+      if (const auto* named = parameters->get_if<idf::Dict>()) take_names(*named, row);
   rows_.push_back(std::move(row));
   return true;
+}
+
+void ActionLog::take_names(const idf::Dict& dict, Row& row) {
+  if (row.hand.empty()) row.hand = text_member(dict, "hand");
+  for (const idf::DictEntry& member : dict)
+    if (row.object.empty() && member.key.starts_with("object"))
+      row.object = name_behind(text_member(dict, member.key));
+  for (const char* name : {"surface", "place", "location", "target"})
+    if (row.place.empty()) row.place = name_behind(text_member(dict, name));
 }
 
 /// Snapshots of one entity that began at the same time are of one action.

@@ -17,7 +17,8 @@ namespace engram::ltm {
 
 /// Collects actions: values with the members `skill` and `outcome`, and `started` and `ended` where
 /// they have them. The object is the first link whose member begins with `object`; the hand is the
-/// member `hand`, the place one of `surface`, `place`, `location`, `target`.
+/// member `hand`, the place one of `surface`, `place`, `location`, `target`; of events of skills
+/// also such parameters.
 ///
 /// An outcome is an enum whose names, or a text that, tells of success, failure, a stop or running;
 /// or a bool.
@@ -58,6 +59,8 @@ class ActionLog {
     std::optional<Time> ended;
   };
 
+  /// What members of these names say of object, hand and place, where nothing did before.
+  static void take_names(const idf::Dict& dict, Row& row);
   [[nodiscard]] std::vector<Action> actions() const;
   static void find_broken(const std::vector<Action>& actions, Time end, Reflection& reflection,
                           const std::map<MemoryId, EntityReflection*>& entities,

@@ -207,7 +207,7 @@ class Entity:
         """The moments from `start` to `end`, both included, in order; a few are in memory.
 
         `where` has conditions on their place and context (docs/query.md, "Conditions"):
-        "within Objects/Surfaces/kitchen/table 0.3m while Skills/Actions/robot/pick". Raises
+        "within Objects/Surfaces/kitchen/table 0.3m while Skill/Event/robot/pick". Raises
         ValueError for what is no condition, and EngramError for a place that is not there.
         """
         if where:

@@ -60,11 +60,12 @@ def actions(memory: engram.Memory) -> list[tuple[str, int, int]]:
     """Name, start and end in ns of everything that the robot did."""
     found = []
     for entity in memory:
-        if entity.name.startswith("Skills/Actions/"):
+        if entity.name.startswith("Skill/Event/"):
             for snapshot in entity:
                 value = snapshot.value
                 if value["ended"] is not None:
-                    found.append((value["skill"], int(value["started"]), int(value["ended"])))
+                    skill = value["skill"].rpartition("/")[2]
+                    found.append((skill, int(value["started"]), int(value["ended"])))
     return sorted(found, key=lambda action: action[1])
 
 

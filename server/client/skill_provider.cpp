@@ -15,7 +15,7 @@
 #include "server/client/names_client.h"
 #include "server/client/open_channel.h"
 #include "server/skills/skill_description.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_status.h"
 

@@ -7,7 +7,7 @@
 #include "server/client/names_client.h"
 #include "server/rpc/memory_rpc.h"
 #include "server/rpc/in_process_memory.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 
 namespace engram::server {
 

@@ -2,7 +2,7 @@
 #include "server/robot/skill_host.h"
 
 #include "ltm/core/log.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 #include "server/wire/polling_threads.h"
 
 namespace engram::server {

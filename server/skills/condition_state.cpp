@@ -8,8 +8,8 @@
 
 #include "ltm/idf/element_visit.h"
 #include "ltm/idf/type_check.h"
-#include "server/skills/skill_ids.h"
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_ids.h"
+#include "ltm/skills/skill_types.h"
 
 namespace engram::skills {
 

@@ -7,7 +7,7 @@
 #include "ltm/idf/json.h"
 #include "ltm/memory/answered_snapshots.h"
 #include "server/skills/skill_description.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 
 namespace engram::skills {
 

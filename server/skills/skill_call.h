@@ -10,7 +10,7 @@
 
 #include "memory/memory.h"
 #include "server/skills/condition_state.h"
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_types.h"
 
 namespace engram::skills {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/skills/skill_description.h"
 
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 
 namespace engram::skills {
 

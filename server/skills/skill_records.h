@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "memory/memory.h"
-#include "server/skills/skill_ids.h"
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_ids.h"
+#include "ltm/skills/skill_types.h"
 
 namespace engram::skills {
 

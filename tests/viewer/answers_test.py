@@ -266,7 +266,7 @@ class AnswersTest(unittest.TestCase):
 
     def test_queries_are_answered_as_the_command_does(self) -> None:
         for text in (f"{JOINTS} @ latest:2", f"?ids {JOINTS} @ latest:3",
-                     "Skills @ all ; Speech @ all", f"{STEREO} @ latest"):
+                     "Skill @ all ; Speech @ all", f"{STEREO} @ latest"):
             self.assertEqual(self.viewed.json("/api/query", q=text), self.query(text), text)
         self.assertEqual(self.viewed.error("/api/query", q="("), (400, "invalid argument"))
         self.assertEqual(self.viewed.error("/api/query", q="Nothing"), (404, "not found"))

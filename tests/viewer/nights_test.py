@@ -117,7 +117,7 @@ class NightsTest(unittest.TestCase):
                        {"older_than": "0s", "newest": 0},
                        {"match": "Vision/RGB", "fade_after": "0s", "fade_psnr": 18},
                        {"match": "Vision/RGB", "fade_after": "0s"},
-                       {"keep": "0.25"}, {"unread_for": "0s", "match": "Speech|Skills"},
+                       {"keep": "0.25"}, {"unread_for": "0s", "match": "Speech|Skill"},
                        {"max_bytes": f"{size // 2}B"},
                        {"max_bytes": f"{size * 3 // 4}B", "match": "Vision/Depth"},
                        {"max_bytes": "1B", "fade_after": "9d", "fade_psnr": "18"}):

@@ -7,15 +7,17 @@
 #include <set>
 
 #include "datasets/kitchen/kitchen_types.h"
+#include "ltm/idf/json.h"
 #include "ltm/memory/links.h"
 #include "ltm/recording/recorder.h"
+#include "server/skills/skill_description.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 
 namespace engram::datasets {
 namespace {
 
-using ::kitchen::Outcome;
+using ::skill::Outcome;
 
 KitchenOptions tiny(uint64_t seed, double seconds) {
   KitchenOptions options = KitchenOptions::fast();
@@ -119,7 +121,7 @@ class KitchenEpisode : public ::testing::Test {
   static std::vector<::kitchen::Action> ended_actions() {
     std::vector<::kitchen::Action> actions;
     for (const auto& [id, data] : values_)
-      if (id.names()[0] == "Skills") {
+      if (id.names()[0] == "Skill" && id.names()[1] == "Event") {
         actions.push_back(::kitchen::Action::from_idf(data).value());
         if (actions.back().outcome == Outcome::RUNNING) actions.pop_back();
       }
@@ -152,12 +154,12 @@ TEST_F(KitchenEpisode, OutcomesAreWhatThePhysicsDid) {
     const auto after = value<::kitchen::ObjectInstance>(*action.object_after);
     const auto moved = after.pose_world_object.position - before.pose_world_object.position;
     const bool succeeded = action.outcome == Outcome::SUCCESS;
-    if (action.skill == "pick") {
+    if (action.skill == "robot/pick") {
       EXPECT_EQ(succeeded, moved.z() > 0.08) << action.reason;
       EXPECT_EQ(succeeded, after.held_by == action.hand) << action.reason;
       EXPECT_TRUE(before.held_by.empty());
       ++picks;
-    } else if (action.skill == "place") {
+    } else if (action.skill == "robot/place") {
       const auto surface = value<::kitchen::Surface>(
           action.surface->at(time_from_ns(to_ns(KitchenOptions().start))).instance(0));
       const auto on =
@@ -170,12 +172,36 @@ TEST_F(KitchenEpisode, OutcomesAreWhatThePhysicsDid) {
       ++places;
     }
     if (action.outcome == Outcome::STOP) {
-      ASSERT_TRUE(action.stopped_by);
-      EXPECT_EQ(value<::kitchen::Speech>(*action.stopped_by).text, "Stop!");
+      ASSERT_EQ(action.stopped_by.size(), 1U);
+      EXPECT_EQ(value<::kitchen::Speech>(action.stopped_by[0]).text, "Stop!");
     }
   }
   EXPECT_GE(picks, 3);
   EXPECT_GE(places, 2);
+}
+
+TEST_F(KitchenEpisode, EachExecutionLeadsToWhatWasSaid) {
+  for (const ::kitchen::Action& action : ended_actions()) {
+    const auto request = value<::skill::ExecutionRequest>(action.request);
+    EXPECT_EQ(request.skill, action.skill);
+    ASSERT_EQ(request.causes.size(), 1U);
+    const auto plan = value<::kitchen::Plan>(request.causes[0]);
+    EXPECT_FALSE(value<::kitchen::Speech>(plan.command).text.empty());
+    // The first of the two snapshots.
+    ASSERT_TRUE(action.execution);
+    const auto begun = value<::kitchen::Action>(*action.execution);
+    EXPECT_EQ(begun.stage, ::skill::Stage::STARTED);
+    EXPECT_EQ(begun.started, action.started);
+
+    // The memory of skills would take what was asked for.
+    const auto described =
+        skills::SkillDescription::parse(value<::skill::Executable>(action.executable).description);
+    ASSERT_OK(described);
+    EXPECT_EQ("robot/" + described->name, action.skill);
+    const auto given = idf::from_json_text(action.parameters);
+    ASSERT_OK(given);
+    EXPECT_OK(described->parameters.fit(*given));
+  }
 }
 
 TEST_F(KitchenEpisode, LinksLeadToWhatWasRecorded) {

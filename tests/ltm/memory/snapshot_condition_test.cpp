@@ -40,7 +40,7 @@ TEST(Condition, ReadsEveryKind) {
       {"in-view Objects/Instances/kitchen/cup_1", {where::InView{cup, Sighting::kAny}}},
       {"seen-with Objects/Instances/kitchen/cup_1", {where::InView{cup, Sighting::kSeen}}},
       {"in-vain Objects/Instances/kitchen/cup_1", {where::InView{cup, Sighting::kInVain}}},
-      {"while Skills/Actions/robot/pick", {where::While{id_of("Skills/Actions/robot/pick")}}},
+      {"while Skill/Event/robot/pick", {where::While{id_of("Skill/Event/robot/pick")}}},
       {"linked-to a/b/c/d/2022-02-18 13:06:56.492182/1",
        {where::LinkedTo{id_of("a/b/c/d/2022-02-18 13:06:56.492182/1")}}},
       {"links-from a/b/c/d", {where::LinksFrom{id_of("a/b/c/d")}}},

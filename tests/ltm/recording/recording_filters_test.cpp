@@ -136,16 +136,16 @@ TEST_F(RecordingFilters, KeepsWhatIsAroundAFailureThatAnEnumTells) {
   auto recorder = open(R"(
 entities:
   - match: .*/.*/.*/cam
-    filters: [{importance: {events: [{entity: Skills, tells: [failure]}], before: 1s, after: 2s}}]
+    filters: [{importance: {events: [{entity: Skill, tells: [failure]}], before: 1s, after: 2s}}]
 )");
   ASSERT_OK(recorder.declare(
-      *MemoryId::parse("Skills/Actions"),
+      *MemoryId::parse("Skill/Event"),
       idf::Type::object(
           "Action",
           {{"outcome", idf::Type::int_enum("Outcome", {{"SUCCESS", 1}, {"FAILURE", 2}})}})));
   const auto acts = [](double seconds, int32_t outcome) {
     Snapshot snapshot = at(seconds, "pick", idf::Dict{{"outcome", outcome}});
-    snapshot.entity = *MemoryId::parse("Skills/Actions/robot/pick");
+    snapshot.entity = *MemoryId::parse("Skill/Event/robot/pick");
     return snapshot;
   };
   for (int i = 0; i < 20; ++i) {

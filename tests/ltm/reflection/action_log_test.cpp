@@ -46,6 +46,26 @@ class Actions {
   Time now_ = ExampleArm::arm_time(0);
 };
 
+TEST(ActionLog, FindsObjectAndHandInTheParametersOfASkill) {
+  ActionLog log;
+  const Time at = ExampleArm::arm_time(0);
+  const idf::Data value = idf::Dict{
+      {"skill", "arm/pick"},
+      {"outcome", "success"},
+      {"started", to_ns(at)},
+      {"parameters", R"({"object":"Objects/Instances/k/cup_1","hand":"left","surface":"shelf"})"}};
+  EXPECT_TRUE(log.add(ExampleArm::id("Skill/Event/arm/pick"), at, value, {}));
+  Reflection found;
+  FindingList findings;
+  log.reflect(at, found, {}, findings);
+  ASSERT_EQ(found.skills.size(), 1U);
+  std::map<std::string, std::string> by;
+  for (const SuccessRate& rate : found.skills[0].rates) by[rate.by] = rate.name;
+  EXPECT_EQ(by["object"], "cup_1");
+  EXPECT_EQ(by["hand"], "left");
+  EXPECT_EQ(by["place"], "shelf");
+}
+
 TEST(ActionLog, CountsSuccessByObjectAndHand) {
   Actions actions;
   for (int i = 0; i < 8; ++i) actions.run("pick", "success");

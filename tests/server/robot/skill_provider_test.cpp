@@ -7,7 +7,7 @@
 
 #include "server/robot/robot.h"
 #include "server/skills/skill_call.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 

@@ -11,7 +11,7 @@
 #include "ltm/core/mutex.h"
 #include "memory/memory.h"
 #include "server/skills/skill_call.h"
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 #include "server/skills/skill_memory.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"

@@ -18,8 +18,8 @@
 #include "ltm/core/log.h"
 #include "server/client/skill_provider.h"
 #include "server/robot/robot.h"
-#include "server/skills/skill_ids.h"
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_ids.h"
+#include "ltm/skills/skill_types.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/server/soak/soak_processes.h"
 

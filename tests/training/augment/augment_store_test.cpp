@@ -86,8 +86,8 @@ TEST_F(AugmentStore, ChangesWhatMeetsConditions) {
       augment(options_of("Vision/RGB @ all not links-from Notes/Text/robot/note"), "rest");
   ASSERT_OK(others);
   EXPECT_EQ(others->entities.at(0).snapshots, kSnapshots - 3);
-  EXPECT_FAILS(augment(options_of("Vision/RGB @ all while Skills/Actions/robot/pick"), "none"),
-               StatusCode::kNotFound, "Skills/Actions/robot/pick");
+  EXPECT_FAILS(augment(options_of("Vision/RGB @ all while Skill/Event/robot/pick"), "none"),
+               StatusCode::kNotFound, "Skill/Event/robot/pick");
 }
 
 TEST_F(AugmentStore, MakesSnapshotsThatNameTheirOriginAndRecipe) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "server/skills/skill_ids.h"
+#include "ltm/skills/skill_ids.h"
 
-#include "server/skills/skill_types.h"
+#include "ltm/skills/skill_types.h"
 
 namespace engram::skills {
 
