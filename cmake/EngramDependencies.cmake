@@ -75,6 +75,21 @@ if(ENGRAM_NAVIGATION)
   endif()
 endif()
 
+# BehaviorTree.CPP, which Debian does not have: 4, or 3 as robots with ROS Noetic have it.
+if(NOT DEFINED ENGRAM_BEHAVIOR_TREE OR ENGRAM_BEHAVIOR_TREE)
+  find_package(behaviortree_cpp QUIET)
+  if(NOT behaviortree_cpp_FOUND)
+    find_package(behaviortree_cpp_v3 QUIET)
+  endif()
+  set(ENGRAM_BEHAVIOR_TREE OFF)
+  foreach(library BT::behaviortree_cpp behaviortree_cpp::behaviortree_cpp
+                  BT::behaviortree_cpp_v3 behaviortree_cpp_v3::behaviortree_cpp_v3)
+    if(TARGET ${library} AND NOT ENGRAM_BEHAVIOR_TREE)
+      set(ENGRAM_BEHAVIOR_TREE ${library})
+    endif()
+  endforeach()
+endif()
+
 # AUTO is as good as ON for if(), and OFF is OFF.
 if(ENGRAM_VIEWER)
   find_path(ENGRAM_BOOST_HEADERS boost/beast/version.hpp)

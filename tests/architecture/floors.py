@@ -39,6 +39,7 @@ LIBRARIES = {
     "EGL": ("EGL/",),
     "Boost": ("boost/",),
     "OMPL": ("ompl/",),
+    "BehaviorTree.CPP": ("behaviortree_cpp/", "behaviortree_cpp_v3/"),
 }
 # These stay where they are, whoever may include the room.
 CONFINED = {
@@ -55,6 +56,7 @@ CONFINED = {
     "EGL": {"datasets/kitchen", "datasets"},
     "Boost": {"viewer"},
     "OMPL": {"server/navigation", "server"},
+    "BehaviorTree.CPP": {"server/behavior_tree", "server"},
 }
 SYSTEM = re.compile(
     r"^([a-z0-9_]+|sys/.*|linux/.*|netinet/.*|arpa/.*"
