@@ -6,10 +6,10 @@
 
 #include "datasets/kitchen/robot_bus.h"
 #include "ltm/core/log.h"
+#include "ltm/skills/skill_types.h"
 #include "server/kitchen/body_client.h"
 #include "server/navigation/cost_map_provider.h"
 #include "server/navigation/driver.h"
-#include "ltm/skills/skill_types.h"
 
 namespace engram::cli {
 

@@ -10,12 +10,12 @@
 #include "ltm/core/log.h"
 #include "ltm/core/mutex.h"
 #include "ltm/idf/json.h"
+#include "ltm/skills/skill_ids.h"
 #include "server/access/default_endpoint.h"
 #include "server/client/client_stream.h"
 #include "server/client/names_client.h"
 #include "server/client/open_channel.h"
 #include "server/skills/skill_description.h"
-#include "ltm/skills/skill_ids.h"
 #include "server/wire/byte_message.h"
 #include "server/wire/wire_status.h"
 

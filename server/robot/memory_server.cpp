@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "ltm/core/log.h"
-#include "server/client/names_client.h"
-#include "server/rpc/memory_rpc.h"
-#include "server/rpc/in_process_memory.h"
 #include "ltm/skills/skill_ids.h"
+#include "server/client/names_client.h"
+#include "server/rpc/in_process_memory.h"
+#include "server/rpc/memory_rpc.h"
 
 namespace engram::server {
 

@@ -6,8 +6,8 @@
 #include "ltm/core/mutex.h"
 #include "ltm/idf/json.h"
 #include "ltm/memory/answered_snapshots.h"
-#include "server/skills/skill_description.h"
 #include "ltm/skills/skill_ids.h"
+#include "server/skills/skill_description.h"
 
 namespace engram::skills {
 

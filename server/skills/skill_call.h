@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "ltm/skills/skill_types.h"
 #include "memory/memory.h"
 #include "server/skills/condition_state.h"
-#include "ltm/skills/skill_types.h"
 
 namespace engram::skills {
 

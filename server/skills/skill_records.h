@@ -5,9 +5,9 @@
 #include <string>
 #include <unordered_map>
 
-#include "memory/memory.h"
 #include "ltm/skills/skill_ids.h"
 #include "ltm/skills/skill_types.h"
+#include "memory/memory.h"
 
 namespace engram::skills {
 

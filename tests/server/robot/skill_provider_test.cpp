@@ -5,9 +5,9 @@
 #include <future>
 #include <thread>
 
+#include "ltm/skills/skill_ids.h"
 #include "server/robot/robot.h"
 #include "server/skills/skill_call.h"
-#include "ltm/skills/skill_ids.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 

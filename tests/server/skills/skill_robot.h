@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "ltm/core/mutex.h"
+#include "ltm/skills/skill_ids.h"
 #include "memory/memory.h"
 #include "server/skills/skill_call.h"
-#include "ltm/skills/skill_ids.h"
 #include "server/skills/skill_memory.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"

@@ -16,10 +16,10 @@
 
 #include "ltm/core/file.h"
 #include "ltm/core/log.h"
-#include "server/client/skill_provider.h"
-#include "server/robot/robot.h"
 #include "ltm/skills/skill_ids.h"
 #include "ltm/skills/skill_types.h"
+#include "server/client/skill_provider.h"
+#include "server/robot/robot.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/server/soak/soak_processes.h"
 
