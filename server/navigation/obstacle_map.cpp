@@ -6,10 +6,32 @@
 
 namespace engram::navigation {
 
+namespace {
+
+/// Rules and frames that are right alone may still need any amount of memory together.
+Status check_border(const GridFrame& frame, const CostRules& rules) {
+  constexpr double kMaxReach = 4000;
+  const double reach = std::ceil(rules.inflation_radius_m / frame.resolution_m);
+  if (!(reach <= kMaxReach))
+    return invalid_argument(
+        "map: an inflation_radius of {} m is {} cells of {} m, needs at most {} cells",
+        rules.inflation_radius_m, reach, frame.resolution_m, kMaxReach);
+  const auto border = static_cast<int64_t>(reach);
+  if ((frame.rows + 2 * border) * (frame.columns + 2 * border) > GridFrame::kMaxCells)
+    return invalid_argument(
+        "map: has {} x {} cells and a border of {} cells, as wide as the inflation_radius, needs "
+        "at most {} with that border",
+        frame.rows, frame.columns, border, GridFrame::kMaxCells);
+  return {};
+}
+
+}  // namespace
+
 Result<ObstacleMap> ObstacleMap::create(const GridFrame& frame, const CostRules& rules,
                                         const std::optional<cv::Mat>& base) {
   ENGRAM_RETURN_IF_ERROR(frame.validate());
   ENGRAM_RETURN_IF_ERROR(rules.validate());
+  ENGRAM_RETURN_IF_ERROR(check_border(frame, rules));
   if (base && (base->size() != frame.size() || base->type() != CV_8UC1))
     return invalid_argument("map: its base has {} x {} cells, needs {} x {}", base->rows,
                             base->cols, frame.rows, frame.columns);
@@ -110,19 +132,12 @@ void ObstacleMap::note_changed(const cv::Rect& window) {
 }
 
 cv::Mat ObstacleMap::update() {
-  for (const cv::Rect& window : changed_)
-    write_costs(widened(window, reach_, frame_.whole()), costs_);
+  for (const cv::Rect& window : changed_) write_costs(widened(window, reach_, frame_.whole()));
   changed_.clear();
   return costs_(shown_);
 }
 
-cv::Mat ObstacleMap::made_anew() const {
-  cv::Mat costs(frame_.size(), CV_8UC1);
-  write_costs(frame_.whole(), costs);
-  return costs(shown_);
-}
-
-void ObstacleMap::write_costs(const cv::Rect& changed, cv::Mat& costs) const {
+void ObstacleMap::write_costs(const cv::Rect& changed) {
   const cv::Rect looked_at = widened(changed, reach_, frame_.whole());
   cv::Mat distances;
   // The masks of 3 and 5 cells are quicker and only near the distance; the exact one takes 0.5 ms
@@ -132,7 +147,7 @@ void ObstacleMap::write_costs(const cv::Rect& changed, cv::Mat& costs) const {
   for (int row = changed.y; row < changed.br().y; ++row) {
     const auto* distance = distances.ptr<float>(row - looked_at.y, changed.x - looked_at.x);
     const auto* base = base_.ptr<uint8_t>(row);
-    auto* cost = costs.ptr<uint8_t>(row);
+    auto* cost = costs_.ptr<uint8_t>(row);
     for (int column = changed.x; column < changed.br().x; ++column) {
       const float far = distance[column - changed.x];
       const float square = far * far;

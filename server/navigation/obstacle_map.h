@@ -14,7 +14,7 @@ namespace engram::navigation {
 ///
 /// Only the window of a change is made anew: costs differ up to the inflation radius around cells
 /// that became blocked or free, and they depend on cells up to that radius around them. The result
-/// is, cell by cell, that of a map which is made from nothing (proven in obstacle_map_test).
+/// is, cell by cell, that of a map which is made from nothing (compared in obstacle_map_test).
 /// Threading: one thread.
 /// Complexity: O(cells of the window) for each change.
 class ObstacleMap {
@@ -22,7 +22,9 @@ class ObstacleMap {
   /// `base` is a map of walls and rooms that nothing here moves, with the same frame: its lethal
   /// cells are obstacles, its other costs are the least ones, and what it does not know stays
   /// unknown unless the robot would touch something there.
-  /// Errors: kInvalidArgument for what does not validate, and for a base of another frame.
+  /// Errors: kInvalidArgument for what does not validate, for a base of another frame, for an
+  /// inflation radius of more than 4,000 cells, and for more than GridFrame::kMaxCells cells with a
+  /// border as wide as that radius.
   static Result<ObstacleMap> create(const GridFrame& frame, const CostRules& rules,
                                     const std::optional<cv::Mat>& base = {});
 
@@ -34,9 +36,6 @@ class ObstacleMap {
 
   /// Brings the costs up to date. The Mat is a part of a wider one, which the next call overwrites.
   cv::Mat update();
-
-  /// The same from nothing, for comparison.
-  [[nodiscard]] cv::Mat made_anew() const;
 
   [[nodiscard]] const GridFrame& frame() const { return shown_frame_; }
   [[nodiscard]] const CostRules& rules() const { return rules_; }
@@ -53,7 +52,7 @@ class ObstacleMap {
   [[nodiscard]] std::vector<Run> runs_of(const Obstacle& obstacle) const;
   void count(const std::vector<Run>& runs, int change);
   void note_changed(const cv::Rect& window);
-  void write_costs(const cv::Rect& changed, cv::Mat& costs) const;
+  void write_costs(const cv::Rect& changed);
 
   GridFrame shown_frame_;
   CostRules rules_;

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
 #include <opencv2/core.hpp>
 #include <random>
 
@@ -39,6 +40,17 @@ Obstacle random_obstacle(std::mt19937& random) {
   return obstacle;
 }
 
+/// A map that create() makes and that is told of all obstacles at once.
+cv::Mat made_fresh(const GridFrame& frame, const CostRules& rules,
+                   const std::optional<cv::Mat>& base,
+                   const std::map<ltm::MemoryId, std::pair<Obstacle, double>>& obstacles) {
+  auto map = ObstacleMap::create(frame, rules, base);
+  ENGRAM_CHECK(map.ok(), "{}", map.status().message());
+  for (const auto& [entity, obstacle] : obstacles)
+    map->set(entity, obstacle.first, obstacle.second);
+  return map->update().clone();
+}
+
 /// Obstacles come, move and go at random, and after each step the map is compared with one that is
 /// made from nothing.
 void expect_equal_maps(const GridFrame& frame, const CostRules& rules,
@@ -46,17 +58,23 @@ void expect_equal_maps(const GridFrame& frame, const CostRules& rules,
   auto map = ObstacleMap::create(frame, rules, base);
   ASSERT_OK(map);
   std::mt19937 random(seed);
+  std::map<ltm::MemoryId, std::pair<Obstacle, double>> there;
   int differing = 0;
   for (int step = 0; step < steps; ++step) {
     // Now and then several change before the map is brought up to date.
     for (uint32_t changes = 1 + random() % 3; changes > 0; --changes) {
       const ltm::MemoryId entity = thing_id("thing_" + std::to_string(random() % 12));
-      if (random() % 4 == 0)
+      if (random() % 4 == 0) {
         map->remove(entity);
-      else
-        map->set(entity, random_obstacle(random), random() % 3 == 0 ? 0.2 : 0);
+        there.erase(entity);
+      } else {
+        const Obstacle obstacle = random_obstacle(random);
+        const double grown_m = random() % 3 == 0 ? 0.2 : 0;
+        map->set(entity, obstacle, grown_m);
+        there[entity] = {obstacle, grown_m};
+      }
     }
-    differing += differing_cells(map->update(), map->made_anew());
+    differing += differing_cells(map->update(), made_fresh(frame, rules, base, there));
   }
   EXPECT_EQ(differing, 0);
 }
@@ -139,6 +157,16 @@ TEST(ObstacleMap, RefusesWhatContradictsItself) {
                StatusCode::kInvalidArgument, "robot_radius");
   EXPECT_FAILS(ObstacleMap::create({}, {}, cv::Mat::zeros(3, 3, CV_8UC1)),
                StatusCode::kInvalidArgument, "its base has 3 x 3 cells");
+}
+
+TEST(ObstacleMap, RefusesRulesThatNeedAnyAmountOfMemoryTogether) {
+  // Each is right alone: 50 m at 1 mm are 50,000 cells on each side.
+  EXPECT_FAILS(ObstacleMap::create({.resolution_m = 0.001}, {.inflation_radius_m = 50}),
+               StatusCode::kInvalidArgument, "is 50000 cells of 0.001 m, needs at most 4000");
+  EXPECT_FAILS(ObstacleMap::create({.rows = 1000, .columns = 1000, .resolution_m = 0.001},
+                                   {.inflation_radius_m = 3.9}),
+               StatusCode::kInvalidArgument, "a border of 3900 cells");
+  EXPECT_OK(ObstacleMap::create({.resolution_m = 0.01}, {.inflation_radius_m = 5}));
 }
 
 TEST(ObstacleMap, TakesObstaclesThatAreFarAwayOrHuge) {
