@@ -74,9 +74,16 @@ Status CostMapProvider::begin() {
   ENGRAM_ASSIGN_OR_RETURN(
       subscription_,
       memory_.subscribe({.names = things_.names(), .with_data = true}, std::move(handlers)));
-  ENGRAM_RETURN_IF_ERROR(tell_things(memory_, things_));
+  ENGRAM_RETURN_IF_ERROR(ask());
   ENGRAM_RETURN_IF_ERROR(bring_up_to_date());
+  note_done();
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  return {};
+}
+
+Status CostMapProvider::ask() {
+  ENGRAM_RETURN_IF_ERROR(tell_things(memory_, things_));
+  taken_ = things_.times();
   return {};
 }
 
@@ -99,13 +106,17 @@ void CostMapProvider::run(const std::stop_token& stop) {
       must_ask_ = false;
     }
     Status status;
-    if (must_ask) status = tell_things(memory_, things_);
+    if (must_ask) status = ask();
     const bool must_ask_again = !status.ok();
-    for (const ltm::Snapshot& snapshot : snapshots) things_.take(snapshot);
+    for (const ltm::Snapshot& snapshot : snapshots)
+      if (things_.take(snapshot)) {
+        Time& taken = taken_[snapshot.entity];
+        taken = std::max(taken, snapshot.time);
+      }
     const Status made = bring_up_to_date();
     if (status.ok()) status = made;
     must_retry = !status.ok();
-    if (made.ok()) note_done(snapshots);
+    if (made.ok()) note_done();
     if (must_retry) {
       log::warning("navigation: no new '{}': {}", entity_.printable(), status.message());
       MutexLock lock(mutex_);
@@ -130,14 +141,8 @@ Status CostMapProvider::bring_up_to_date() {
 
 Status CostMapProvider::commit_map() {
   const Time time = std::max(things_.newest(), last_time_ + Duration(1));
-  CostMap map;
-  map.frame = map_.frame();
-  map.costs = map_.update().clone();
-  map.inscribed_m = map_.rules().inscribed_m();
-  map.inflation_m = map_.rules().inflation_radius_m;
+  CostMap map = map_of_things(things_, map_);
   map.version = version_ + 1;
-  map.obstacles = things_.obstacles();
-  map.left_out = things_.left_out();
   map.id = entity_.at(time).instance(0);
   ltm::Instance instance{map.to_data(), {}};
   instance.metadata.created = time;
@@ -154,12 +159,13 @@ Status CostMapProvider::commit_map() {
   return {};
 }
 
-void CostMapProvider::note_done(const std::vector<ltm::Snapshot>& snapshots) {
+void CostMapProvider::note_done() {
   MutexLock lock(mutex_);
-  for (const ltm::Snapshot& snapshot : snapshots) {
-    Time& done = done_[snapshot.entity];
-    done = std::max(done, snapshot.time);
+  for (const auto& [entity, time] : taken_) {
+    Time& done = done_[entity];
+    done = std::max(done, time);
   }
+  taken_.clear();
   is_done_.notify_all();
 }
 

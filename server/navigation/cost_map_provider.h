@@ -52,8 +52,10 @@ class CostMapProvider {
   /// The last map that was committed.
   [[nodiscard]] CostMap latest() const;
 
-  /// Waits until a snapshot of a thing, or a newer one of it, is in the last committed map, or is
-  /// known not to change it. Returns false after `timeout`.
+  /// Waits until a snapshot of a thing or class, or a newer one of it, is in the last committed map
+  /// or is known not to change it, however the provider came to know it: it was there at the start,
+  /// was told, or was asked for after something was lost. A snapshot that no rule names never is.
+  /// Returns false after `timeout`.
   [[nodiscard]] bool wait_for(const ltm::MemoryId& snapshot, Duration timeout) const;
 
   [[nodiscard]] Counters counters() const;
@@ -62,10 +64,12 @@ class CostMapProvider {
   CostMapProvider(Memory& memory, const Options& options, FloorThings things, ObstacleMap map);
 
   Status begin();
+  /// Asks what is known of all that counts.
+  Status ask();
   void run(const std::stop_token& stop);
   Status bring_up_to_date();
   Status commit_map();
-  void note_done(const std::vector<ltm::Snapshot>& snapshots);
+  void note_done();
 
   Memory& memory_;
   const Options options_;
@@ -75,6 +79,8 @@ class CostMapProvider {
   ObstacleMap map_;
   Time last_time_{};
   int64_t version_ = 0;
+  /// What things_ took since the last map that was committed.
+  std::map<ltm::MemoryId, Time> taken_;
   bool is_outdated_ = true;  ///< The map that is committed is not the one that is here.
 
   mutable Mutex mutex_;

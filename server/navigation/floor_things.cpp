@@ -5,41 +5,11 @@
 
 #include "ltm/core/log.h"
 #include "memory/live/subscription.h"
+#include "server/navigation/thing_members.h"
 
 namespace engram::navigation {
 
 namespace {
-
-/// An array of `count` finite floats of either width, as doubles.
-std::optional<std::vector<double>> finite_numbers(const idf::Data* data, int64_t count) {
-  const auto* array = data == nullptr ? nullptr : data->get_if<idf::NdArray>();
-  if (array == nullptr || array->shape() != idf::Shape{count}) return {};
-  std::vector<double> numbers;
-  if (array->type() == idf::ElementType::kFloat64)
-    for (const double number : array->values<double>()) numbers.push_back(number);
-  if (array->type() == idf::ElementType::kFloat32)
-    for (const float number : array->values<float>()) numbers.push_back(number);
-  for (const double number : numbers)
-    if (!std::isfinite(number)) return {};
-  if (numbers.empty()) return {};
-  return numbers;
-}
-
-Result<typed::Pose<double>> pose_in(const idf::Data& data, const std::string& member) {
-  const idf::Data* value = data.at(member);
-  if (value == nullptr) return invalid_argument("it has no member {}", member);
-  const auto position = finite_numbers(value->at(idf::kPositionKey), 3);
-  const auto turned = finite_numbers(value->at(idf::kOrientationKey), 4);
-  if (!position || !turned) return invalid_argument("its {} is no pose of finite numbers", member);
-  typed::Pose<double> pose;
-  pose.position = {(*position)[0], (*position)[1], (*position)[2]};
-  const Eigen::Quaterniond given((*turned)[0], (*turned)[1], (*turned)[2], (*turned)[3]);
-  if (std::abs(given.norm() - 1) > 0.01)
-    return invalid_argument("the orientation of its {} has a norm of {}, needs 1", member,
-                            given.norm());
-  pose.orientation = given.normalized();
-  return pose;
-}
 
 std::string text_in(const idf::Data& data, const std::string& member) {
   const idf::Data* value = member.empty() ? nullptr : data.at(member);
@@ -110,9 +80,9 @@ bool FloorThings::take(const ltm::Snapshot& snapshot) {
     thing.data = snapshot.instances.front().data;
     thing.object_class = class_linked_by(thing.data, thing.source->class_member);
     newest_ = std::max(newest_, snapshot.time);
-    look_at(snapshot.entity, thing);
-    // What stands on a surface depends on where that is.
-    if (thing.source->is_surface && changed_.contains(snapshot.entity))
+    const bool is_elsewhere = look_at(snapshot.entity, thing);
+    // What stands on a surface depends on where that is, and how high.
+    if (thing.source->is_surface && is_elsewhere)
       for (auto& [entity, other] : things_)
         if (!other.source->is_surface) look_at(entity, other);
     return true;
@@ -120,10 +90,13 @@ bool FloorThings::take(const ltm::Snapshot& snapshot) {
   return false;
 }
 
-void FloorThings::look_at(const ltm::MemoryId& entity, Known& thing) {
+bool FloorThings::look_at(const ltm::MemoryId& entity, Known& thing) {
+  constexpr double kSameHeightM = 1e-3;
   const std::optional<Obstacle> before = std::move(thing.obstacle);
+  const std::string left_out_before = std::move(thing.left_out);
+  const double top_before_m = thing.top_m;
   auto found = obstacle_of(entity, thing);
-  if (!found.ok() && thing.left_out.empty())
+  if (!found.ok() && left_out_before.empty())
     log::warning("navigation: the map leaves out '{}': {}", entity.printable(),
                  found.status().message());
   thing.left_out = found.ok() ? std::string() : found.status().message();
@@ -137,7 +110,11 @@ void FloorThings::look_at(const ltm::MemoryId& entity, Known& thing) {
     thing.obstacle = before;
     thing.obstacle->snapshot = seen;
   }
-  if (!is_same) changed_.insert(entity);
+  const bool is_as_high = std::abs(thing.top_m - top_before_m) <= kSameHeightM;
+  if (is_as_high) thing.top_m = top_before_m;
+  // A map tells what it leaves out, so a new reason is a change as well.
+  if (!is_same || thing.left_out != left_out_before) changed_.insert(entity);
+  return !is_same || !is_as_high;
 }
 
 Result<std::optional<Obstacle>> FloorThings::obstacle_of(const ltm::MemoryId& entity,
@@ -246,6 +223,13 @@ std::vector<LeftOutThing> FloorThings::left_out() const {
   for (const auto& [entity, thing] : things_)
     if (!thing.left_out.empty()) left_out.push_back({thing.snapshot, thing.left_out});
   return left_out;
+}
+
+std::map<ltm::MemoryId, Time> FloorThings::times() const {
+  std::map<ltm::MemoryId, Time> times;
+  for (const auto& [entity, thing] : things_) times[entity] = thing.time;
+  for (const auto& [entity, known] : classes_) times[entity] = known.first;
+  return times;
 }
 
 std::optional<Time> FloorThings::time_of(const ltm::MemoryId& entity) const {

@@ -37,7 +37,7 @@ class FloorThings {
   /// Returns whether it is of a thing or class that counts here.
   bool take(const ltm::Snapshot& snapshot);
 
-  /// What changed its place since the last call.
+  /// What changed its place since the last call, or is left out for another reason.
   [[nodiscard]] std::vector<Change> take_changes();
 
   /// The obstacles, in the order of their entities, with their last snapshots.
@@ -47,7 +47,10 @@ class FloorThings {
   /// The time of the last snapshot that is known of an entity.
   [[nodiscard]] std::optional<Time> time_of(const ltm::MemoryId& entity) const;
 
-  /// The newest of these times; the epoch where nothing is known.
+  /// The times of all of them, things and classes.
+  [[nodiscard]] std::map<ltm::MemoryId, Time> times() const;
+
+  /// The newest time of a thing; the epoch where nothing is known.
   [[nodiscard]] Time newest() const { return newest_; }
 
  private:
@@ -65,8 +68,8 @@ class FloorThings {
 
   FloorThings(MapRules rules, std::vector<ltm::Query> queries, ltm::Query classes);
 
-  /// Says anew where a thing is.
-  void look_at(const ltm::MemoryId& entity, Known& thing);
+  /// Says anew where a thing is. Returns whether it is elsewhere or of another height than before.
+  bool look_at(const ltm::MemoryId& entity, Known& thing);
   Result<std::optional<Obstacle>> obstacle_of(const ltm::MemoryId& entity, Known& thing) const;
   Result<Outline> outline_of(const Known& thing) const;
   [[nodiscard]] bool stands_on_surface(const Outline& outline) const;

@@ -2,7 +2,6 @@
 #include "server/navigation/known_things.h"
 
 #include "ltm/memory/answered_snapshots.h"
-#include "server/navigation/obstacle_map.h"
 
 namespace engram::navigation {
 
@@ -25,19 +24,24 @@ Result<FloorThings> known_things(Memory& memory, const MapRules& rules, std::opt
   return things;
 }
 
+CostMap map_of_things(const FloorThings& things, ObstacleMap& made) {
+  CostMap map;
+  map.frame = made.frame();
+  map.costs = made.update().clone();
+  map.inscribed_m = made.rules().inscribed_m();
+  map.inflation_m = made.rules().inflation_radius_m;
+  map.obstacles = things.obstacles();
+  map.left_out = things.left_out();
+  return map;
+}
+
 Result<CostMap> map_of_known_things(Memory& memory, const MapRules& rules, std::optional<Time> at) {
   ENGRAM_ASSIGN_OR_RETURN(FloorThings things, known_things(memory, rules, at));
   ENGRAM_ASSIGN_OR_RETURN(ObstacleMap made, ObstacleMap::create(rules.frame, rules.costs));
   for (const FloorThings::Change& change : things.take_changes())
     if (change.obstacle)
       made.set(change.entity, *change.obstacle, change.obstacle->max_speed_m_s * rules.reaction_s);
-  CostMap map;
-  map.frame = made.frame();
-  map.costs = made.update().clone();
-  map.inscribed_m = rules.costs.inscribed_m();
-  map.inflation_m = rules.costs.inflation_radius_m;
-  map.obstacles = things.obstacles();
-  map.left_out = things.left_out();
+  CostMap map = map_of_things(things, made);
   if (things.newest() != Time{}) map.id = rules.entity().at(things.newest()).instance(0);
   return map;
 }

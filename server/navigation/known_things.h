@@ -5,6 +5,7 @@
 
 #include "memory/memory.h"
 #include "server/navigation/floor_things.h"
+#include "server/navigation/obstacle_map.h"
 
 namespace engram::navigation {
 
@@ -17,6 +18,9 @@ Status tell_things(Memory& memory, FloorThings& things, std::optional<Time> at =
 /// Errors: those of FloorThings::create and Memory::query, but not that there is nothing.
 Result<FloorThings> known_things(Memory& memory, const MapRules& rules,
                                  std::optional<Time> at = {});
+
+/// The map of these things as `made` has it, with version 0 and without an ID.
+[[nodiscard]] CostMap map_of_things(const FloorThings& things, ObstacleMap& made);
 
 /// A map of these things, made at once, with version 0. Its ID is where it belongs, at the time of
 /// the newest of them; it is not committed. Without things its ID is empty.

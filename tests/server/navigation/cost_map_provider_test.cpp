@@ -88,6 +88,31 @@ TEST_F(CostMapProviderTest, SaysInTheMapWhatItLeavesOut) {
   EXPECT_EQ(stored().left_out[0].snapshot, testing::thing_id("box_1").at(kBegin).instance(0));
 }
 
+TEST_F(CostMapProviderTest, SaysInTheMapWhatItLeavesOutOfWhatComesLater) {
+  auto started = CostMapProvider::start(*memory, {});
+  ASSERT_OK(started);
+  provider = *std::move(started);
+  EXPECT_THAT(stored().left_out, SizeIs(0));
+  const Time time = kBegin + seconds(1);
+  ASSERT_OK(memory->commit({{thing_at("box_1", "unheard", {0, 0, 0}, 0.1, time)}},
+                           CommitDurability::kMemory));
+  ASSERT_TRUE(provider->wait_for(testing::thing_id("box_1").at(time), seconds(20)));
+  ASSERT_THAT(stored().left_out, SizeIs(1));
+  EXPECT_EQ(stored().left_out[0].snapshot, testing::thing_id("box_1").at(time).instance(0));
+}
+
+TEST_F(CostMapProviderTest, WaitsForNothingThatWasThereWhenItStarted) {
+  auto started = CostMapProvider::start(*memory, {});
+  ASSERT_OK(started);
+  for (const ltm::MemoryId& known :
+       {testing::thing_id("chair_1"), testing::surface_id("table"), testing::class_id("chair")})
+    EXPECT_TRUE((*started)->wait_for(known.at(kBegin), Duration())) << known.printable();
+  EXPECT_FALSE((*started)->wait_for(testing::thing_id("chair_1").at(kBegin + seconds(1)),
+                                    std::chrono::milliseconds(10)));
+  EXPECT_FALSE((*started)->wait_for(ltm::MemoryId::parse("Speech/Commands/human/text")->at(kBegin),
+                                    std::chrono::milliseconds(10)));
+}
+
 TEST_F(CostMapProviderTest, GoesOnWithVersionsAndTimesOfTheOneBefore) {
   { ASSERT_OK(CostMapProvider::start(*memory, {})); }
   auto started = CostMapProvider::start(*memory, {});

@@ -101,6 +101,35 @@ TEST(FloorThings, SaysWhatItLeavesOutAndWhy) {
   EXPECT_THAT(names(things), ElementsAre("thing_2", "table"));
 }
 
+TEST(FloorThings, TellsOfWhatItLeavesOutAsOfAChange) {
+  FloorThings things = furnished();
+  EXPECT_THAT(things.take_changes(), SizeIs(1));
+  things.take(thing_at("box_1", "unheard", {0, 0, 0}, 0.1, kBegin));
+  const auto changes = things.take_changes();
+  ASSERT_THAT(changes, SizeIs(1));
+  EXPECT_EQ(changes[0].entity, testing::thing_id("box_1"));
+  EXPECT_FALSE(changes[0].obstacle.has_value());
+  // The same reason again is none.
+  things.take(thing_at("box_1", "unheard", {1, 0, 0}, 0.1, kBegin + seconds(1)));
+  EXPECT_THAT(things.take_changes(), IsEmpty());
+}
+
+TEST(FloorThings, LooksAnewAtWhatStandsOnFurnitureWhenThatIsRaised) {
+  FloorThings things = furnished();
+  things.take(thing_at("salt_1", "salt", {2, 0.5, 0}, 0.8, kBegin));
+  EXPECT_THAT(names(things), ElementsAre("table"));
+  EXPECT_THAT(things.take_changes(), SizeIs(1));
+  // The table is raised, and the salt is below it now.
+  things.take(surface_at("table", {2, 0, 0}, 1.1, 0.8, 1.4, kBegin + seconds(1)));
+  EXPECT_THAT(names(things), ElementsAre("salt_1", "table"));
+  EXPECT_THAT(things.take_changes(), SizeIs(1));
+  // It comes down in steps of less than a millimetre.
+  for (int i = 1; i <= 700; ++i)
+    things.take(surface_at("table", {2, 0, 0}, 1.1 - 0.0005 * i, 0.8, 1.4,
+                           kBegin + seconds(1) + std::chrono::milliseconds(i)));
+  EXPECT_THAT(names(things), ElementsAre("table"));
+}
+
 TEST(FloorThings, SmallStepsAddUpToAChange) {
   FloorThings things = furnished();
   things.take(thing_at("chair_1", "chair", {1, 1, 0}, 0.45, kBegin));
