@@ -105,6 +105,8 @@ Result<CostMap> CostMap::from_data(const idf::Data& data, ltm::MemoryId id) {
   ENGRAM_ASSIGN_OR_RETURN(const auto value, ::navigation::CostMap::from_idf(data));
   CostMap map;
   map.id = std::move(id);
+  if (value.version < 0)
+    return invalid_argument("cost map: version is {}, needs at least 0", value.version);
   map.version = value.version;
   if (value.costs.rank() != 2 || value.costs.type() != idf::ElementType::kUInt8)
     return invalid_argument("cost map: costs are {} {}, need uint8 [rows, columns]",
@@ -126,6 +128,13 @@ Result<CostMap> CostMap::from_data(const idf::Data& data, ltm::MemoryId id) {
   const auto costs = typed::mat_of(*cells);
   if (!costs) return invalid_argument("cost map: {} x {} costs are no picture", rows, columns);
   map.costs = *costs;
+  // Infinity and NaN are refused as well.
+  const auto is_length = [](double metres) { return metres >= 0 && std::isfinite(metres); };
+  if (!is_length(value.inscribed_radius) || !is_length(value.inflation_radius))
+    return invalid_argument(
+        "cost map: inscribed_radius is {} m and inflation_radius {} m, need to be finite and at "
+        "least 0",
+        value.inscribed_radius, value.inflation_radius);
   map.inscribed_m = value.inscribed_radius;
   map.inflation_m = value.inflation_radius;
   for (const ::navigation::MapObstacle& obstacle : value.made_of) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/navigation/map_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 
 #include "ltm/core/config.h"
 #include "ltm/core/file.h"
+#include "ltm/core/printable.h"
 #include "server/navigation/occupancy_grid.h"
 #include "server/navigation/pgm.h"
 
@@ -50,8 +52,7 @@ Result<PlanarPose> origin_of(const ConfigValue& value) {
   return origin;
 }
 
-Result<MapHeader> read_map_header(const std::filesystem::path& yaml) {
-  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue top, ConfigValue::read_file(yaml));
+Result<MapHeader> read_map_header(const ConfigValue& top) {
   ENGRAM_ASSIGN_OR_RETURN(ConfigMap map, top.map());
   MapHeader header;
   ENGRAM_ASSIGN_OR_RETURN(const ConfigValue image, map.require("image"));
@@ -98,6 +99,24 @@ int occupancy_of_pixel(const MapHeader& header, int pixel, int max_value) {
                                       (header.occupied_threshold - header.free_threshold) * 100));
 }
 
+Result<CostMap> map_of_picture(const MapHeader& header, std::string_view bytes,
+                               const std::string& name) {
+  ENGRAM_ASSIGN_OR_RETURN(const GreyPicture picture, parse_pgm(bytes, name));
+  CostMap map;
+  map.frame = {picture.pixels.rows, picture.pixels.cols, header.resolution_m, header.origin};
+  ENGRAM_RETURN_IF_ERROR(map.frame.validate().with_context(name));
+  map.costs.create(map.frame.size(), CV_8UC1);
+  for (int row = 0; row < map.frame.rows; ++row) {
+    // Pictures begin at the top, maps at the lowest y.
+    const auto* pixels = picture.pixels.ptr<uint16_t>(map.frame.rows - 1 - row);
+    auto* costs = map.costs.ptr<uint8_t>(row);
+    for (int column = 0; column < map.frame.columns; ++column)
+      costs[column] =
+          cost_of_occupancy(occupancy_of_pixel(header, pixels[column], picture.max_value));
+  }
+  return map;
+}
+
 uint8_t pixel_of_cost(uint8_t cost, MapMode mode) {
   if (mode == MapMode::kTrinary) {
     if (cost == kUnknownCost) return kUnknownPixel;
@@ -106,6 +125,14 @@ uint8_t pixel_of_cost(uint8_t cost, MapMode mode) {
   const int occupancy = occupancy_of_cost(cost);
   if (mode == MapMode::kRaw) return static_cast<uint8_t>(occupancy < 0 ? 255 : occupancy);
   return static_cast<uint8_t>(std::lround(255 * (1 - occupancy / 100.0)));
+}
+
+/// Whether a name may stand between quotes in YAML as it is.
+bool is_plain_text(const std::string& name) {
+  return std::none_of(name.begin(), name.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return c == '"' || c == '\\' || byte < 0x20 || byte == 0x7f;
+  });
 }
 
 std::string yaml_of(const std::string& image, const CostMap& map, MapMode mode) {
@@ -133,7 +160,8 @@ Result<MapMode> map_mode_from(std::string_view word) {
 }
 
 Result<CostMap> read_map_file(const std::filesystem::path& yaml) {
-  ENGRAM_ASSIGN_OR_RETURN(const MapHeader header, read_map_header(yaml));
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue top, ConfigValue::read_file(yaml));
+  ENGRAM_ASSIGN_OR_RETURN(const MapHeader header, read_map_header(top));
   const std::filesystem::path image = yaml.parent_path() / header.image;
   ENGRAM_ASSIGN_OR_RETURN(const File file, File::open(image, File::Mode::kRead));
   ENGRAM_ASSIGN_OR_RETURN(const uint64_t size, file.size());
@@ -142,20 +170,14 @@ Result<CostMap> read_map_file(const std::filesystem::path& yaml) {
                             kMaxFileBytes);
   std::string bytes(size, '\0');
   ENGRAM_RETURN_IF_ERROR(file.read_at(0, std::as_writable_bytes(std::span(bytes))));
-  ENGRAM_ASSIGN_OR_RETURN(const GreyPicture picture, parse_pgm(bytes, image.string()));
-  CostMap map;
-  map.frame = {picture.pixels.rows, picture.pixels.cols, header.resolution_m, header.origin};
-  ENGRAM_RETURN_IF_ERROR(map.frame.validate().with_context(yaml.string()));
-  map.costs.create(map.frame.size(), CV_8UC1);
-  for (int row = 0; row < map.frame.rows; ++row) {
-    // Pictures begin at the top, maps at the lowest y.
-    const auto* pixels = picture.pixels.ptr<uint16_t>(map.frame.rows - 1 - row);
-    auto* costs = map.costs.ptr<uint8_t>(row);
-    for (int column = 0; column < map.frame.columns; ++column)
-      costs[column] =
-          cost_of_occupancy(occupancy_of_pixel(header, pixels[column], picture.max_value));
-  }
-  return map;
+  return map_of_picture(header, bytes, image.string());
+}
+
+Result<CostMap> parse_map(std::string_view yaml, std::string_view picture,
+                          const std::string& name) {
+  ENGRAM_ASSIGN_OR_RETURN(const ConfigValue top, ConfigValue::parse(yaml, name));
+  ENGRAM_ASSIGN_OR_RETURN(const MapHeader header, read_map_header(top));
+  return map_of_picture(header, picture, header.image);
 }
 
 Status write_map_file(const std::filesystem::path& yaml, const CostMap& map, MapMode mode) {
@@ -177,6 +199,10 @@ Status write_map_file(const std::filesystem::path& yaml, const CostMap& map, Map
   if (image == yaml)
     return invalid_argument("map: '{}' is the name of its picture, needs another ending",
                             yaml.string());
+  if (!is_plain_text(image.filename().string()))
+    return invalid_argument(
+        "map: the name '{}' has quotes, backslashes or control characters, needs one without",
+        printable(image.filename().string()));
   const std::string picture = pgm_of(pixels);
   ENGRAM_RETURN_IF_ERROR(replace_file(image, std::as_bytes(std::span(picture))));
   const std::string text = yaml_of(image.filename().string(), map, mode);

@@ -27,10 +27,15 @@ Result<MapMode> map_mode_from(std::string_view word);
 /// kNotFound; kUnavailable. Source: docs/navigation.md, "Files of maps".
 Result<CostMap> read_map_file(const std::filesystem::path& yaml);
 
+/// The same of the contents of both files; safe on hostile bytes. `name` is that of the YAML in
+/// errors.
+Result<CostMap> parse_map(std::string_view yaml, std::string_view picture, const std::string& name);
+
 /// Writes `yaml` and a PGM file of the same name beside it, each replaced as a whole. kTrinary
 /// keeps obstacles alone, because who reads such a map inflates it anew; the other two keep all
-/// costs. Errors: kInvalidArgument where `yaml` has no name, or a map with unknown cells is written
-/// as kScale; kUnavailable; kResourceExhausted.
+/// costs. Errors: kInvalidArgument where `yaml` has no name or one with quotes, backslashes or
+/// control characters, or a map with unknown cells is written as kScale; kUnavailable;
+/// kResourceExhausted.
 Status write_map_file(const std::filesystem::path& yaml, const CostMap& map,
                       MapMode mode = MapMode::kTrinary);
 

@@ -10,22 +10,28 @@ namespace {
 constexpr int kFullyOccupied = 100;
 constexpr int kInscribed = 99;
 
-/// An array of int8, as ROS has it, or of uint8, as other tools write it.
-Result<std::vector<int>> cells_of(const idf::Data* data) {
+/// Writes the costs of an array of int8, as ROS has it, or of uint8, as other tools write it.
+Status read_cells(const idf::Data* data, CostMap& map) {
   const auto* array = data == nullptr ? nullptr : data->get_if<idf::NdArray>();
   if (array == nullptr || array->rank() != 1)
     return invalid_argument("occupancy grid: data is {}, needs an array of int8",
                             data == nullptr ? "missing" : data->kind_name());
-  std::vector<int> cells;
-  cells.reserve(static_cast<size_t>(array->count()));
-  if (array->type() == idf::ElementType::kInt8)
-    for (const int8_t cell : array->values<int8_t>()) cells.push_back(cell);
-  else if (array->type() == idf::ElementType::kUInt8)
-    for (const uint8_t cell : array->values<uint8_t>()) cells.push_back(static_cast<int8_t>(cell));
-  else
+  const bool is_signed = array->type() == idf::ElementType::kInt8;
+  if (!is_signed && array->type() != idf::ElementType::kUInt8)
     return invalid_argument("occupancy grid: data has {}, needs int8",
                             idf::to_string(array->type()));
-  return cells;
+  const int64_t needed = int64_t{map.frame.rows} * map.frame.columns;
+  if (array->count() != needed)
+    return invalid_argument("occupancy grid: has {} cells, its {} rows of {} need {}",
+                            array->count(), map.frame.rows, map.frame.columns, needed);
+  map.costs.create(map.frame.size(), CV_8UC1);
+  uint8_t* cost = map.costs.data;
+  if (is_signed)
+    for (const int8_t cell : array->values<int8_t>()) *cost++ = cost_of_occupancy(cell);
+  else
+    for (const uint8_t cell : array->values<uint8_t>())
+      *cost++ = cost_of_occupancy(static_cast<int8_t>(cell));
+  return {};
 }
 
 Result<double> number_at(const idf::Data& message, std::string_view path) {
@@ -86,13 +92,7 @@ Result<CostMap> map_of_occupancy_grid(const idf::Data& message) {
   }
   map.frame.pose_world_map = PlanarPose::of(pose);
   ENGRAM_RETURN_IF_ERROR(map.frame.validate());
-  ENGRAM_ASSIGN_OR_RETURN(const std::vector<int> cells, cells_of(message.at("data")));
-  if (static_cast<int64_t>(cells.size()) != int64_t{map.frame.rows} * map.frame.columns)
-    return invalid_argument("occupancy grid: has {} cells, its {} rows of {} need {}", cells.size(),
-                            map.frame.rows, map.frame.columns,
-                            int64_t{map.frame.rows} * map.frame.columns);
-  map.costs.create(map.frame.size(), CV_8UC1);
-  for (size_t i = 0; i < cells.size(); ++i) map.costs.data[i] = cost_of_occupancy(cells[i]);
+  ENGRAM_RETURN_IF_ERROR(read_cells(message.at("data"), map));
   return map;
 }
 

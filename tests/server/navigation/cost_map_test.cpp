@@ -84,6 +84,16 @@ TEST(CostMap, RefusesHostileValues) {
   value = example().to_data();
   *value.at("made_of/0/size") = idf::NdArray::take<double>({2}, {-1, 1});
   EXPECT_FAILS(CostMap::from_data(value), StatusCode::kInvalidArgument, "size of 'chair_1'");
+  value = example().to_data();
+  *value.at("version") = int64_t{-1};
+  EXPECT_FAILS(CostMap::from_data(value), StatusCode::kInvalidArgument, "version is -1");
+  for (const char* radius : {"inscribed_radius", "inflation_radius"})
+    for (const double number : {-0.1, std::numeric_limits<double>::quiet_NaN(),
+                                std::numeric_limits<double>::infinity()}) {
+      value = example().to_data();
+      *value.at(radius) = number;
+      EXPECT_FAILS(CostMap::from_data(value), StatusCode::kInvalidArgument, radius);
+    }
   EXPECT_FAILS(CostMap::from_data(idf::Dict{{"costs", 3}}), StatusCode::kInvalidArgument, "");
 }
 

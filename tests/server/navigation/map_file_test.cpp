@@ -111,6 +111,32 @@ TEST(MapFile, RefusesHostileHeadersWithTheirLine) {
                StatusCode::kNotFound, "none.pgm");
 }
 
+TEST(MapFile, RefusesToWriteNamesThatYamlWouldReadOtherwise) {
+  const ScratchDirectory scratch;
+  for (const char* name : {"a\"b.yaml", "a\\b.yaml", "a\nb.yaml", "a\x7f.yaml"}) {
+    EXPECT_FAILS(write_map_file(scratch / name, walled_map()), StatusCode::kInvalidArgument,
+                 "quotes, backslashes or control characters");
+    EXPECT_FALSE(std::filesystem::exists(scratch / name));
+  }
+  // All else comes back as it was.
+  for (const char* name : {"a: b.yaml", "'a' #b.yaml", "küche [1].yaml"}) {
+    ASSERT_OK(write_map_file(scratch / name, walled_map()));
+    EXPECT_OK(read_map_file(scratch / name));
+  }
+}
+
+TEST(MapFile, ReadsContentsAsItReadsFiles) {
+  const auto map = parse_map("image: m.pgm\nresolution: 0.05\norigin: [1, 2, 0]\n",
+                             "P2 2 1 255\n0 254", "m.yaml");
+  ASSERT_OK(map);
+  EXPECT_EQ(map->frame, (GridFrame{1, 2, 0.05, {1, 2, 0}}));
+  EXPECT_EQ(map->cost_at({1.01, 2.01}), kLethalCost);
+  EXPECT_EQ(map->cost_at({1.06, 2.01}), kFreeCost);
+  EXPECT_FAILS(parse_map("image: m.pgm\nresolution: 0.05\norigin: [1, 2, 0]\n", "P2 2", "m.yaml"),
+               StatusCode::kDataLoss, "m.pgm: its header ends early");
+  EXPECT_FAILS(parse_map("image: 3: 4", "", "m.yaml"), StatusCode::kInvalidArgument, "m.yaml:1");
+}
+
 TEST(Pgm, RefusesHostilePictures) {
   const auto reading = [](const std::string& bytes) { return parse_pgm(bytes, "m.pgm").status(); };
   EXPECT_OK(reading(std::string("P5 2 1 65535\n\0\1\2\3", 17)));

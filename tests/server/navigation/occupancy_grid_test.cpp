@@ -86,6 +86,19 @@ TEST(OccupancyGrid, GoesThroughTheMessagesOfRosAndBack) {
             message->at("data")->get<idf::NdArray>());
 }
 
+TEST(OccupancyGrid, ReadsBytesThatOtherToolsCallUnsigned) {
+  const idf::Data message = occupancy_grid_of_map(map_of_all_costs(), {});
+  idf::Data other = message;
+  std::vector<uint8_t> cells;
+  for (const int8_t cell : message.at("data")->get<idf::NdArray>().values<int8_t>())
+    cells.push_back(static_cast<uint8_t>(cell));
+  const auto count = static_cast<int64_t>(cells.size());
+  *other.at("data") = idf::NdArray::take<uint8_t>({count}, std::move(cells));
+  const auto map = map_of_occupancy_grid(other);
+  ASSERT_OK(map);
+  EXPECT_EQ(cv::countNonZero(map->costs != map_of_occupancy_grid(message)->costs), 0);
+}
+
 TEST(OccupancyGrid, KeepsEachOccupancy) {
   EXPECT_EQ(occupancy_of_cost(cost_of_occupancy(-1)), -1);
   for (int occupancy = 0; occupancy <= 100; ++occupancy)
