@@ -20,10 +20,11 @@ struct WhyStep {
 /// Why a snapshot is as it is, told from links alone: from an event of a drive to its plan, from
 /// there to the request, and on to what caused that, such as the words of a person.
 ///
-/// In each value the first of these members that is a link is followed: `plan`, `request`, `cause`,
-/// `command`, `task`, `trigger`. It ends where there is none, where a link leads to nothing that
-/// the memory has, and after 16 steps. Errors: kNotFound where there is no such snapshot; those of
-/// Memory::query.
+/// In each value the first of these members that is a link to a snapshot is followed: `plan`,
+/// `request`, `cause`, `causes`, `command`, `task`, `trigger`; of a list its first such link. Where
+/// a request leads nowhere, the `cause` beside the link to it is followed instead. It ends where
+/// there is none, where a link leads to nothing that the memory has, and after 16 steps.
+/// Errors: kNotFound where there is no such snapshot; those of Memory::query.
 Result<std::vector<WhyStep>> why(Memory& memory, const ltm::MemoryId& snapshot);
 
 /// The answer in words, one line for each step.
