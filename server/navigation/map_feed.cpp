@@ -2,6 +2,7 @@
 #include "server/navigation/map_feed.h"
 
 #include "ltm/core/log.h"
+#include "ltm/memory/answered_snapshots.h"
 
 namespace engram::navigation {
 
@@ -11,7 +12,12 @@ Result<std::unique_ptr<MapFeed>> MapFeed::open(Memory& memory, const ltm::Memory
   handlers.on_snapshots = [raw = feed.get()](std::vector<ToldSnapshot> told) {
     // Only the last of them counts.
     ltm::Snapshot& last = told.back().snapshot;
-    if (!told.back().has_data || last.instances.empty()) return;
+    if (!told.back().has_data) {
+      MutexLock lock(raw->mutex_);
+      raw->must_ask_ = true;
+      return;
+    }
+    if (last.instances.empty()) return;
     auto map = CostMap::from_data(last.instances.front().data, last.id().instance(0));
     if (map.ok())
       raw->take(*std::move(map));
@@ -22,12 +28,9 @@ Result<std::unique_ptr<MapFeed>> MapFeed::open(Memory& memory, const ltm::Memory
     MutexLock lock(raw->mutex_);
     raw->must_ask_ = true;
   };
-  // The name as a pattern, letter by letter.
-  const std::string names = ltm::Query::of_entity(entity, ltm::select::Latest{}).to_string();
-  ENGRAM_ASSIGN_OR_RETURN(
-      feed->subscription_,
-      memory.subscribe({.names = {names.substr(0, names.find(" @"))}, .with_data = true},
-                       std::move(handlers)));
+  ENGRAM_ASSIGN_OR_RETURN(feed->subscription_,
+                          memory.subscribe({.names = {ltm::exact_names(entity)}, .with_data = true},
+                                           std::move(handlers)));
   ENGRAM_RETURN_IF_ERROR(feed->ask());
   return feed;
 }

@@ -19,11 +19,13 @@ class MapFeed {
   /// Errors: those of Memory::subscribe and query; kInvalidArgument where what is there is no map.
   static Result<std::unique_ptr<MapFeed>> open(Memory& memory, const ltm::MemoryId& entity);
 
-  /// The newest map; null where none came yet. After the connection to the memory was lost it asks
-  /// the memory, and returns what was known before where that fails.
+  /// The newest map; null where none came yet. After the connection to the memory was lost, or when
+  /// a map was told of without its data, it asks the memory, and returns what was known before
+  /// where that fails.
   [[nodiscard]] std::shared_ptr<const CostMap> latest();
 
-  /// Waits until a map of this time or later is there. Returns false after `timeout`.
+  /// Waits until a map of this time or later is there; it asks for none, as latest() does. Returns
+  /// false after `timeout`.
   [[nodiscard]] bool wait_for(Time time, Duration timeout) const;
 
  private:
