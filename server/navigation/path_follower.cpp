@@ -172,17 +172,20 @@ PathFollower::Step PathFollower::next(const BaseState& state, const CostMap& map
   step.twist.turn_rad_s = approached(state.twist.turn_rad_s, want.turn_rad_s,
                                      limits_.turn_acceleration_rad_s2 * period_s);
   const double change = limits_.acceleration_m_s2 * period_s;
-  const double fastest = approached(state.twist.forward_m_s, want.forward_m_s, change);
+  // A platform hears late, so it may still be as fast as before the last command. What brakes
+  // starts at that command, or it would brake less than each speed before was safe for.
+  const double speed = std::min(state.twist.forward_m_s, last_speed_m_s_);
+  const double fastest = approached(speed, want.forward_m_s, change);
   if (fastest > 0) {
     const SafeSpeed safe = safe_speed(state.pose_world_robot, fastest,
                                       step.twist.turn_rad_s / fastest, map.obstacles, limits_);
     step.held_by = safe.held_by;
     // It cannot brake harder than it can; the speed before was safe for just that.
-    step.twist.forward_m_s =
-        std::max(safe.speed_m_s, std::max(0.0, state.twist.forward_m_s - change));
+    step.twist.forward_m_s = std::max(safe.speed_m_s, std::max(0.0, speed - change));
     // The same arc, slower.
     step.twist.turn_rad_s *= step.twist.forward_m_s > 0 ? step.twist.forward_m_s / fastest : 1;
   }
+  last_speed_m_s_ = step.twist.forward_m_s;
   return step;
 }
 

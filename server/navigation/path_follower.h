@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -73,7 +74,8 @@ class PathFollower {
   std::vector<double> along_m_;  ///< Of each corner.
   const DriveLimits limits_;
   double progress_m_ = 0;
-  bool is_at_goal_ = false;  ///< It only turns any more.
+  double last_speed_m_s_ = std::numeric_limits<double>::infinity();  ///< Of the last command.
+  bool is_at_goal_ = false;                                          ///< It only turns any more.
 };
 
 /// The fastest speed on an arc, at most `speed_m_s`, from which the robot could stop in time, and

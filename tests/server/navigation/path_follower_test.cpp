@@ -6,12 +6,13 @@
 
 #include <numbers>
 
-#include "server/navigation/obstacle_map.h"
 #include "tests/ltm/expect_status.h"
-#include "tests/server/navigation/floor_example.h"
+#include "tests/server/navigation/map_example.h"
 
 namespace engram::navigation {
 namespace {
+
+using testing::map_of_obstacles;
 
 Obstacle standing(double x, double y, double diameter, double max_speed = 0) {
   Obstacle obstacle;
@@ -22,18 +23,6 @@ Obstacle standing(double x, double y, double diameter, double max_speed = 0) {
   obstacle.name = "post";
   obstacle.snapshot = testing::thing_id("post").at(testing::kBegin).instance(0);
   return obstacle;
-}
-
-CostMap map_of(const std::vector<Obstacle>& obstacles) {
-  ObstacleMap made = ObstacleMap::create({}, {}).value();
-  for (size_t i = 0; i < obstacles.size(); ++i)
-    made.set(testing::thing_id(std::to_string(i)), obstacles[i]);
-  CostMap map;
-  map.frame = made.frame();
-  map.costs = made.update().clone();
-  map.inscribed_m = made.rules().inscribed_m();
-  map.obstacles = obstacles;
-  return map;
 }
 
 /// A platform that does what it is told.
@@ -51,7 +40,7 @@ TEST(PathFollower, FollowsAWayWithinItsLimitsAndStopsAtItsGoal) {
   const std::vector<PlanarPose> path{{-3, -3, 0}, {0, -3, 0}, {0, 0, 1.57}, {3, 0, 2}};
   const DriveLimits limits;
   PathFollower follower(path, limits);
-  const CostMap map = map_of({});
+  const CostMap map = map_of_obstacles({});
   IdealBase base{{{}, {-3, -3, -2}, {}}};
   constexpr double kPeriod = 0.05;
   double farthest_off = 0;
@@ -77,11 +66,11 @@ TEST(PathFollower, FollowsAWayWithinItsLimitsAndStopsAtItsGoal) {
 
 TEST(PathFollower, TellsWhenTheRestOfItsWayIsBlocked) {
   PathFollower follower({{-3, 0, 0}, {3, 0, 0}}, {});
-  EXPECT_FALSE(follower.is_blocked(map_of({}), {-3, 0, 0}));
-  EXPECT_TRUE(follower.is_blocked(map_of({standing(1, 0.2, 0.3)}), {-3, 0, 0}));
-  EXPECT_FALSE(follower.is_blocked(map_of({standing(1, 1.2, 0.3)}), {-3, 0, 0}));
+  EXPECT_FALSE(follower.is_blocked(map_of_obstacles({}), {-3, 0, 0}));
+  EXPECT_TRUE(follower.is_blocked(map_of_obstacles({standing(1, 0.2, 0.3)}), {-3, 0, 0}));
+  EXPECT_FALSE(follower.is_blocked(map_of_obstacles({standing(1, 1.2, 0.3)}), {-3, 0, 0}));
   // What it leaves behind does not block it, and neither does what it stands beside.
-  EXPECT_FALSE(follower.is_blocked(map_of({standing(-3.5, 0, 0.3)}), {-3, 0, 0}));
+  EXPECT_FALSE(follower.is_blocked(map_of_obstacles({standing(-3.5, 0, 0.3)}), {-3, 0, 0}));
 }
 
 TEST(SafeSpeed, LetsTheRobotStopBeforeWhatStandsAhead) {
@@ -115,6 +104,19 @@ TEST(DriveLimits, RefuseWhatIsNoLimit) {
   EXPECT_OK(DriveLimits{}.validate());
   EXPECT_FAILS(DriveLimits{.max_speed_m_s = 0}.validate(), StatusCode::kInvalidArgument, "limit");
   EXPECT_FAILS(DriveLimits{.reaction_s = -1}.validate(), StatusCode::kInvalidArgument, "reaction");
+}
+
+// Its platform hears late, and is as fast as before when the next command is given.
+TEST(PathFollower, BrakesFromItsLastCommandAndNotFromTheSpeedBefore) {
+  const DriveLimits limits;
+  PathFollower follower({{-3, 0, 0}, {3, 0, 0}}, limits);
+  const CostMap map = map_of_obstacles({standing(-2.2, 0, 0.3)});
+  const BaseState state{{}, {-3, 0, 0}, {0.6, 0}};
+  constexpr double kPeriod = 0.1;
+  const double first = follower.next(state, map, kPeriod).twist.forward_m_s;
+  const double second = follower.next(state, map, kPeriod).twist.forward_m_s;
+  EXPECT_NEAR(first, 0.6 - limits.acceleration_m_s2 * kPeriod, 1e-9);
+  EXPECT_NEAR(second, 0.6 - 2 * limits.acceleration_m_s2 * kPeriod, 1e-9);
 }
 
 }  // namespace

@@ -7,12 +7,13 @@
 #include <random>
 
 #include "server/navigation/free_space.h"
-#include "server/navigation/obstacle_map.h"
 #include "tests/ltm/expect_status.h"
-#include "tests/server/navigation/floor_example.h"
+#include "tests/server/navigation/map_example.h"
 
 namespace engram::navigation {
 namespace {
+
+using testing::map_of_obstacles;
 
 using ::testing::HasSubstr;
 
@@ -23,18 +24,6 @@ Obstacle box(const std::string& name, const PlanarPose& pose, double x, double y
   obstacle.pose_world_obstacle = pose;
   obstacle.size_m = {x, y};
   return obstacle;
-}
-
-CostMap map_of(const std::vector<Obstacle>& obstacles) {
-  ObstacleMap made = ObstacleMap::create({}, {}).value();
-  for (const Obstacle& obstacle : obstacles) made.set(obstacle.snapshot.entity(), obstacle);
-  CostMap map;
-  map.frame = made.frame();
-  map.costs = made.update().clone();
-  map.inscribed_m = made.rules().inscribed_m();
-  map.inflation_m = made.rules().inflation_radius_m;
-  map.obstacles = obstacles;
-  return map;
 }
 
 void expect_free(const CostMap& map, const std::vector<PlanarPose>& path) {
@@ -53,7 +42,7 @@ std::vector<Obstacle> walled() {
 
 TEST(PathPlanner, GoesThroughADoorAndTouchesNothing) {
   const PathPlanner planner = PathPlanner::create({}).value();
-  const CostMap map = map_of(walled());
+  const CostMap map = map_of_obstacles(walled());
   const FoundPath found = planner.plan(map, {-3, -3, 0}, {3, 3, 1});
   ASSERT_TRUE(found.is_found()) << found.reason;
   expect_free(map, found.path);
@@ -71,7 +60,7 @@ TEST(PathPlanner, FindsTheSameWayForTheSameSeed) {
   std::vector<Obstacle> obstacles = walled();
   obstacles.push_back(box("chair_1", {0, 2, 0.4}, 0.5, 0.5));
   obstacles.push_back(box("chair_2", {0.3, -1.4, 0.4}, 0.5, 0.5));
-  const CostMap map = map_of(obstacles);
+  const CostMap map = map_of_obstacles(obstacles);
   const FoundPath once = planner.plan(map, {-3, -3, 0}, {3, 3, 1});
   ASSERT_TRUE(once.is_found()) << once.reason;
   for (int i = 0; i < 5; ++i) EXPECT_EQ(planner.plan(map, {-3, -3, 0}, {3, 3, 1}).path, once.path);
@@ -87,7 +76,7 @@ TEST(PathPlanner, FindsAWayOrProvesThatThereIsNone) {
     for (int k = 0; k < 25; ++k)
       obstacles.push_back(
           box("box_" + std::to_string(k), {place(random), place(random), place(random)}, 0.8, 0.3));
-    const CostMap map = map_of(obstacles);
+    const CostMap map = map_of_obstacles(obstacles);
     const PlanarPose start{place(random), place(random), 0};
     const PlanarPose goal{place(random), place(random), 0};
     const FoundPath found = planner.plan(map, start, goal);
@@ -107,7 +96,8 @@ TEST(PathPlanner, FindsAWayOrProvesThatThereIsNone) {
 
 TEST(PathPlanner, SaysWhatIsAtAGoalThatIsNotFree) {
   const PathPlanner planner = PathPlanner::create({}).value();
-  const CostMap map = map_of({box("chair_1", {2, 0, 0}, 0.5, 0.5), box("sofa", {-3, 3, 0}, 1, 2)});
+  const CostMap map =
+      map_of_obstacles({box("chair_1", {2, 0, 0}, 0.5, 0.5), box("sofa", {-3, 3, 0}, 1, 2)});
   for (const double x : {2.0, 1.5}) {
     const FoundPath found = planner.plan(map, {0, 0, 0}, {x, 0, 0});
     EXPECT_FALSE(found.is_found());
@@ -121,14 +111,14 @@ TEST(PathPlanner, SaysWhatIsAtAGoalThatIsNotFree) {
 
 TEST(PathPlanner, SaysWhatItsStartCollidesWith) {
   const PathPlanner planner = PathPlanner::create({}).value();
-  const CostMap map = map_of({box("table", {0, 0, 0}, 2, 2)});
+  const CostMap map = map_of_obstacles({box("table", {0, 0, 0}, 2, 2)});
   const FoundPath found = planner.plan(map, {0.5, 0.5, 0}, {3, 0, 0});
   EXPECT_THAT(found.reason, HasSubstr("is in collision with table"));
 }
 
 TEST(PathPlanner, LeavesAStartThatIsTooNearToSomething) {
   const PathPlanner planner = PathPlanner::create({}).value();
-  const CostMap map = map_of({box("table", {0, 0, 0}, 2, 2)});
+  const CostMap map = map_of_obstacles({box("table", {0, 0, 0}, 2, 2)});
   const FoundPath found = planner.plan(map, {1.2, 0, 0}, {3, 0, 0});
   ASSERT_TRUE(found.is_found()) << found.reason;
   EXPECT_EQ(found.path.front(), (PlanarPose{1.2, 0, 0}));
@@ -141,7 +131,7 @@ TEST(PathPlanner, KnowsThatItIsTrappedAndByWhom) {
     ring.push_back(box(fmt::format("person_{}", i), {std::cos(i * 1.0472), std::sin(i * 1.0472), 0},
                        0.5, 0.5));
   ring.push_back(box("sofa", {4, 4, 0}, 0.5, 0.5));
-  const FoundPath found = planner.plan(map_of(ring), {0, 0, 0}, {3, 0, 0});
+  const FoundPath found = planner.plan(map_of_obstacles(ring), {0, 0, 0}, {3, 0, 0});
   EXPECT_TRUE(found.is_trapped);
   EXPECT_EQ(found.blocked_by.size(), 6U);
   EXPECT_THAT(found.reason, HasSubstr("is surrounded by person_"));
@@ -151,7 +141,7 @@ TEST(PathPlanner, SaysWhatClosesOffTheGoal) {
   const PathPlanner planner = PathPlanner::create({}).value();
   std::vector<Obstacle> obstacles = walled();
   obstacles.push_back(box("chair_1", {0, 0, 0}, 0.5, 0.5));
-  const FoundPath found = planner.plan(map_of(obstacles), {0, -3, 0}, {0, 3, 0});
+  const FoundPath found = planner.plan(map_of_obstacles(obstacles), {0, -3, 0}, {0, 3, 0});
   EXPECT_FALSE(found.is_trapped);
   EXPECT_THAT(found.reason, HasSubstr("closes off"));
   EXPECT_THAT(found.reason, HasSubstr("chair_1"));
