@@ -25,8 +25,9 @@ std::vector<ltm::MemoryId> snapshots_of(const std::vector<Obstacle>& obstacles) 
 
 std::string goal_text(const DriveRequest& request) {
   if (!request.goal.empty()) return request.goal;
-  return fmt::format("({:.2f}, {:.2f}, {:.2f} rad)", request.pose.x_m, request.pose.y_m,
-                     request.pose.heading_rad);
+  if (!request.pose) return "no place";
+  return fmt::format("({:.2f}, {:.2f}, {:.2f} rad)", request.pose->x_m, request.pose->y_m,
+                     request.pose->heading_rad);
 }
 
 bool is_end(::navigation::EventKind kind) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,14 @@ namespace engram::navigation {
 struct DriveRequest {
   /// A location, an alias, an object or piece of furniture; empty: `pose`.
   std::string goal;
-  /// Where to in the frame of the world, if there is no name.
-  PlanarPose pose{};
+  /// Where to in the frame of the world; only looked at where `goal` is empty. A request that has
+  /// neither names no place, and is refused.
+  std::optional<PlanarPose> pose{};
   ltm::MemoryId request{};  ///< The request of the skill; empty: nobody asked in the memory.
   ltm::MemoryId cause{};    ///< What that was asked for: words, or the plan of a task.
 };
 
-/// The goal in words: its name, or its place.
+/// The goal in words: its name, its place, or that there is none.
 [[nodiscard]] std::string goal_text(const DriveRequest& request);
 
 /// Commits the plans and events of a robot's drives, each with its links.

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "server/navigation/free_space.h"
-#include "server/navigation/locations.h"
 #include "server/navigation/plan_check.h"
 
 namespace engram::navigation {
@@ -15,12 +14,17 @@ using ::navigation::EventKind;
 
 /// Planning more often costs time and gains nothing: persons make a step in this time.
 constexpr Duration kBetweenPlans = std::chrono::milliseconds(400);
-/// A robot that came on by less than this since then is stuck.
+/// A robot that came on and turned by less than this since then is stuck.
 constexpr double kCameOnM = 0.05;
+constexpr double kCameOnRad = 0.1;
 /// A provider has this long to make a map of what was moved; it needs a hundredth of it.
 constexpr Duration kBetweenChecks = std::chrono::milliseconds(500);
+/// A robot that does not come on by its plan for this long makes another one.
 constexpr Duration kStuck = std::chrono::milliseconds(1500);
 constexpr double kOffWayM = 0.35;
+/// What is slower than this rests.
+constexpr double kRestsMS = 0.005;
+constexpr double kRestsRadS = 0.02;
 
 std::string metres(double length) {
   return fmt::format("{:.2f} m", length);
@@ -28,57 +32,15 @@ std::string metres(double length) {
 
 }  // namespace
 
-ChosenPath choose_path(Memory& memory, const PathPlanner& planner, const CostMap& map,
-                       const DriveRequest& request, const PlanarPose& robot,
-                       const std::optional<PlanarPose>& before) {
-  ChosenPath chosen;
-  chosen.goal = request.pose;
-  if (request.goal.empty()) {
-    if (!request.pose.is_finite()) {
-      chosen.goal = {};
-      chosen.found.reason = "the goal has numbers that are not finite";
-      return chosen;
-    }
-    chosen.found = planner.plan(map, robot, request.pose);
-    return chosen;
-  }
-  const auto named = find_goal(memory, request.goal, map, robot);
-  if (!named.ok()) {
-    chosen.goal = robot;
-    chosen.found.reason = named.status().message();
-    return chosen;
-  }
-  chosen.location = named->location;
-  std::vector<PlanarPose> poses = named->poses;
-  chosen.goal = poses.front();
-  if (before && poses.size() > 1) poses.insert(poses.begin(), *before);
-  const FreeSpace space(map);
-  const auto out = space.way_out(robot.position(), planner.options().way_out_m);
-  const int part = out ? space.part_of(*out) : 0;
-  for (const PlanarPose& pose : poses) {
-    if (part == 0 || space.part_of(pose.position()) != part) continue;
-    chosen.goal = pose;
-    chosen.found = planner.plan(map, robot, pose);
-    return chosen;
-  }
-  // None can be reached. That of a free place tells more than that of one that is not free.
-  for (const PlanarPose& pose : poses)
-    if (space.is_passable(pose.position())) {
-      chosen.goal = pose;
-      break;
-    }
-  chosen.found = planner.plan(map, robot, chosen.goal);
-  if (poses.size() > 1)
-    chosen.found.reason = fmt::format("no free place beside '{}' can be reached: {}", named->name,
-                                      chosen.found.reason);
-  return chosen;
-}
-
 DriveRun::DriveRun(Driver& driver, const DriveRequest& request, DriveBase& base,
                    const std::stop_token& stop, const Driver::Report& report)
     : driver_(driver), request_(request), base_(base), stop_(stop), report_(report) {}
 
 Status DriveRun::look() {
+  // The map first: the robot may move on while it comes.
+  using Newest = Result<std::shared_ptr<const CostMap>>;
+  ENGRAM_ASSIGN_OR_RETURN(map_, asked([this]() -> Newest { return driver_.maps_->latest(); }));
+  was_late_ = false;
   const Eigen::Vector2d before = state_.pose_world_robot.position();
   const bool is_first = started_ == Time{};
   ENGRAM_ASSIGN_OR_RETURN(state_, base_.state());
@@ -89,8 +51,11 @@ Status DriveRun::look() {
     started_ = state_.time;
   else
     outcome_.travelled_m += (state_.pose_world_robot.position() - before).norm();
-  map_ = driver_.maps_->latest();
   return {};
+}
+
+PathInputs DriveRun::path_inputs() const {
+  return {driver_.memory_, driver_.options_.rules, *map_, state_.pose_world_robot};
 }
 
 Result<DriveOutcome> DriveRun::go() {
@@ -122,8 +87,8 @@ Result<bool> DriveRun::plan_first() {
   if (map_ == nullptr)
     return end(EventKind::REFUSED, fmt::format("the memory has no cost map '{}'",
                                                driver_.options_.rules.entity().printable()));
-  ChosenPath chosen =
-      choose_path(driver_.memory_, driver_.planner_, *map_, request_, state_.pose_world_robot);
+  ENGRAM_ASSIGN_OR_RETURN(ChosenPath chosen,
+                          choose_path(path_inputs(), driver_.planner_, request_));
   if (!current.ok()) {
     chosen.found = {};
     chosen.found.reason = "the map is stale: " + current.message();
@@ -139,7 +104,7 @@ Result<bool> DriveRun::plan_first() {
   }
   if (!chosen.found.is_found())
     return end(EventKind::REFUSED, chosen.found.reason, chosen.found.blocked_by);
-  goal_ = chosen.goal;
+  keep_goal(chosen);
   follower_ = std::make_unique<PathFollower>(chosen.found.path, driver_.options_.limits);
   ENGRAM_RETURN_IF_ERROR(commit_event(
       EventKind::STARTED,
@@ -157,32 +122,30 @@ Result<bool> DriveRun::go_on() {
   ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, is_map_kept());
   if (!is_kept)
     return end(EventKind::FAILED, fmt::format("nobody keeps the map up to date: {}", stale_));
-  const Eigen::Vector2d at = state_.pose_world_robot.position();
-  const bool came_on = !here_ || (at - *here_).norm() > kCameOnM;
-  if (came_on || std::abs(state_.twist.turn_rad_s) > 0.1) {
-    here_ = at;
-    moved_ = state_.time;
-  }
+  note_motion();
   if (state_.time - moved_ > options.patience && !blocked_) {
     FoundPath held;
     if (held_by_) held.blocked_by.push_back(*held_by_);
     held.reason = held_by_ ? fmt::format("'{}' stays too near to drive on", held_by_->name)
                            : std::string("the platform does not move");
     const FreeSpace space(*map_);
+    const Eigen::Vector2d at = state_.pose_world_robot.position();
     held.is_trapped = space.extent_m(space.part_of(at), at) < options.planner.trapped_m;
     return end(held.is_trapped ? EventKind::TRAPPED : EventKind::FAILED, held.reason,
                held.blocked_by);
   }
 
+  bool is_there = true;
+  if (!blocked_) {
+    ENGRAM_ASSIGN_OR_RETURN(is_there, is_goal_there(false));
+  }
   const bool is_new = map_->id != looked_at_;
-  const bool must_plan = blocked_ ||
+  const bool must_plan = blocked_ || !is_there ||
                          (is_new && follower_->is_blocked(*map_, state_.pose_world_robot)) ||
-                         state_.time - moved_ > kStuck || follower_->distance_m(at) > kOffWayM;
+                         state_.time - std::max(moved_, planned_) > kStuck ||
+                         follower_->distance_m(state_.pose_world_robot.position()) > kOffWayM;
   if (!must_plan) looked_at_ = map_->id;
   if (must_plan && state_.time - planned_ >= kBetweenPlans) {
-    // Planning takes some milliseconds, and now and then longer than the reaction that the speed is
-    // safe for. So the robot brakes meanwhile, and its next command lets it go on.
-    ENGRAM_RETURN_IF_ERROR(base_.stop());
     ENGRAM_ASSIGN_OR_RETURN(const bool goes_on, replan());
     if (!goes_on) return false;
   }
@@ -190,10 +153,16 @@ Result<bool> DriveRun::go_on() {
     ENGRAM_RETURN_IF_ERROR(base_.stop());
     return true;
   }
+  if (was_late_) {
+    ENGRAM_RETURN_IF_ERROR(look());
+  }
   const PathFollower::Step step = follower_->next(state_, *map_, to_seconds(options.period));
   held_by_ = step.held_by;
   if (step.has_arrived) {
-    const double off_m = (goal_->position() - at).norm();
+    // The thing may have been moved since it was last looked for.
+    ENGRAM_ASSIGN_OR_RETURN(is_there, is_goal_there(true));
+    if (!is_there) return replan();
+    const double off_m = (goal_->pose.position() - state_.pose_world_robot.position()).norm();
     return end(EventKind::ARRIVED, fmt::format("stands at '{}', {} from where it should",
                                                goal_text(request_), metres(off_m)));
   }
@@ -201,10 +170,21 @@ Result<bool> DriveRun::go_on() {
   return true;
 }
 
+void DriveRun::note_motion() {
+  const PlanarPose& robot = state_.pose_world_robot;
+  // A robot that turns where it stands does what its plan says.
+  if (here_ && (robot.position() - here_->position()).norm() <= kCameOnM &&
+      std::abs(wrapped(robot.heading_rad - here_->heading_rad)) <= kCameOnRad)
+    return;
+  here_ = robot;
+  moved_ = state_.time;
+}
+
 Result<bool> DriveRun::is_map_kept() {
   if (state_.time - checked_ < kBetweenChecks) return true;
   checked_ = state_.time;
-  const Status current = check_map(driver_.memory_, *map_, driver_.options_.rules);
+  const Status current =
+      asked([&] { return check_map(driver_.memory_, *map_, driver_.options_.rules); });
   if (current.ok()) {
     stale_map_ = {};
     return true;
@@ -218,23 +198,52 @@ Result<bool> DriveRun::is_map_kept() {
   return !is_again;
 }
 
+Result<bool> DriveRun::is_goal_there(bool is_urgent) {
+  if (!goal_ || goal_->name.empty() || goal_map_ == map_->id) return true;
+  if (!is_urgent && state_.time - goal_checked_ < kBetweenChecks) return true;
+  ENGRAM_ASSIGN_OR_RETURN(const bool is_there,
+                          asked([&] { return is_goal_near(path_inputs(), *goal_); }));
+  // Where it is not there, it is asked again until the robot plans.
+  if (is_there) {
+    goal_map_ = map_->id;
+    goal_checked_ = state_.time;
+  }
+  return is_there;
+}
+
+void DriveRun::keep_goal(const ChosenPath& chosen) {
+  goal_ = KeptGoal{chosen.goal, chosen.name};
+  goal_map_ = map_->id;
+  goal_checked_ = state_.time;
+}
+
 Result<bool> DriveRun::replan() {
+  // Planning takes some milliseconds, and now and then longer than the reaction that the speed is
+  // safe for; memories may take any time. So the robot brakes meanwhile, and its next command, for
+  // which it looks anew, lets it go on.
+  ENGRAM_RETURN_IF_ERROR(base_.stop());
+  was_late_ = true;
   planned_ = state_.time;
   looked_at_ = map_->id;
-  const ChosenPath chosen = choose_path(driver_.memory_, driver_.planner_, *map_, request_,
-                                        state_.pose_world_robot, goal_);
+  ENGRAM_ASSIGN_OR_RETURN(const ChosenPath chosen,
+                          choose_path(path_inputs(), driver_.planner_, request_, goal_));
   if (!chosen.found.is_found()) {
     if (!blocked_) {
       blocked_ = state_.time;
-      ENGRAM_RETURN_IF_ERROR(base_.stop());
       ENGRAM_RETURN_IF_ERROR(commit_plan(chosen));
       ENGRAM_RETURN_IF_ERROR(
           commit_event(EventKind::BLOCKED, chosen.found.reason, chosen.found.blocked_by));
     }
     return wait_or_give_up(chosen.found);
   }
-  blocked_.reset();
-  goal_ = chosen.goal;
+  // While no way led on it was not the platform that did not move. Another way while there was one
+  // does not renew its patience: the robot stands as long as something is too near.
+  if (blocked_) {
+    blocked_.reset();
+    moved_ = state_.time;
+    here_ = state_.pose_world_robot;
+  }
+  keep_goal(chosen);
   ENGRAM_RETURN_IF_ERROR(commit_plan(chosen));
   follower_ = std::make_unique<PathFollower>(chosen.found.path, driver_.options_.limits);
   ++outcome_.replans;
@@ -280,7 +289,14 @@ Result<bool> DriveRun::end(EventKind kind, const std::string& reason,
   ENGRAM_RETURN_IF_ERROR(base_.stop());
   constexpr Duration kLongestStop = std::chrono::seconds(3);
   const Time stopping = state_.time;
-  while (std::abs(state_.twist.forward_m_s) > 0.005 && state_.time - stopping < kLongestStop) {
+  // The last command before the stop may not have reached the platform yet.
+  const Duration heard =
+      follower_ ? duration_from_seconds(driver_.options_.limits.reaction_s).value() : Duration();
+  const auto rests = [&] {
+    return state_.time - stopping >= heard && std::abs(state_.twist.forward_m_s) <= kRestsMS &&
+           std::abs(state_.twist.turn_rad_s) <= kRestsRadS;
+  };
+  while (!rests() && state_.time - stopping < kLongestStop) {
     ENGRAM_RETURN_IF_ERROR(base_.wait(driver_.options_.period));
     ENGRAM_RETURN_IF_ERROR(look());
   }

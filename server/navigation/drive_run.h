@@ -8,26 +8,18 @@
 #include <stop_token>
 #include <string>
 
+#include "server/navigation/choose_path.h"
 #include "server/navigation/driver.h"
 #include "server/navigation/path_follower.h"
+#include "server/navigation/work_aside.h"
 
 namespace engram::navigation {
 
-/// A way to the best of the places that a goal allows, or why there is none.
-struct ChosenPath {
-  FoundPath found;
-  PlanarPose goal;
-  ltm::MemoryId location;
-};
-
-/// `before` is the place that was chosen before: it is kept where it is still free, so that a robot
-/// does not change its mind at each step of a person.
-ChosenPath choose_path(Memory& memory, const PathPlanner& planner, const CostMap& map,
-                       const DriveRequest& request, const PlanarPose& robot,
-                       const std::optional<PlanarPose>& before = {});
-
 /// One drive.
 ///
+/// The memory is asked aside: while an answer is late the robot stops, because who waits for a slow
+/// server does not see who walks into the way. Plans and events are committed while the robot rests
+/// or brakes.
 /// Threading: one thread.
 class DriveRun {
  public:
@@ -37,13 +29,37 @@ class DriveRun {
   Result<DriveOutcome> go();
 
  private:
-  /// Reads the base and the newest map.
+  /// What `question` returns, a Status or a Result. Where that takes long, the base is told to stop
+  /// meanwhile, and `was_late_` is set: where the robot and the things are has to be looked at
+  /// anew.
+  template <typename Question>
+  auto asked(const Question& question) -> decltype(question()) {
+    using Answer = decltype(question());
+    std::optional<Answer> answer;
+    Status stopped;
+    aside_.run([&] { answer = question(); }, kSoon,
+               [&] {
+                 was_late_ = true;
+                 stopped = base_.stop();
+               });
+    if (!stopped.ok()) return Answer(stopped);
+    return *std::move(answer);
+  }
+
+  /// Reads the newest map and the base.
   Status look();
   /// Plans until a map is there that agrees with the objects. Returns whether there is a way.
   Result<bool> plan_first();
   /// One command to the base. Returns whether the drive goes on.
   Result<bool> go_on();
   Result<bool> replan();
+  /// Whether what was asked for by name is still where the robot drives to, by the newest map. It
+  /// is looked for twice a second, and at once if that is urgent.
+  Result<bool> is_goal_there(bool is_urgent);
+  /// Remembers the goal of a way that was found.
+  void keep_goal(const ChosenPath& chosen);
+  /// Notes whether the robot came on or turned since it last did.
+  void note_motion();
   /// Whether the map is still that of the objects, or will be soon.
   Result<bool> is_map_kept();
   /// What to do while nothing moves: wait, and give up at last.
@@ -56,6 +72,11 @@ class DriveRun {
   Result<bool> end(::navigation::EventKind kind, const std::string& reason,
                    const std::vector<Obstacle>& blocked_by = {});
 
+  [[nodiscard]] PathInputs path_inputs() const;
+
+  /// Memories answer within this time, or else the robot stops until they do.
+  static constexpr Duration kSoon = std::chrono::milliseconds(20);
+
   Driver& driver_;
   const DriveRequest request_;
   DriveBase& base_;
@@ -65,18 +86,22 @@ class DriveRun {
   BaseState state_;
   std::shared_ptr<const CostMap> map_;
   std::unique_ptr<PathFollower> follower_;
-  std::optional<PlanarPose> goal_;
+  std::optional<KeptGoal> goal_;
   DriveOutcome outcome_;
   Time started_{};
-  Time planned_{};                 ///< When it last planned.
-  Time moved_{};                   ///< When it last came on.
-  std::optional<Time> blocked_{};  ///< Since when no way leads on.
-  std::optional<Eigen::Vector2d> here_{};
+  Time planned_{};                    ///< When it last planned.
+  Time moved_{};                      ///< When it last came on.
+  std::optional<Time> blocked_{};     ///< Since when no way leads on.
+  std::optional<PlanarPose> here_{};  ///< Where it last came on to.
   std::optional<Obstacle> held_by_{};
   ltm::MemoryId looked_at_;  ///< The map that the way was compared with.
+  ltm::MemoryId goal_map_;   ///< The map in which the goal was last found.
+  Time goal_checked_{};      ///< When that was.
   Time checked_{};           ///< When the map was last compared with the objects.
   ltm::MemoryId stale_map_;  ///< The map that was stale then.
   std::string stale_;        ///< What was newer.
+  bool was_late_ = false;    ///< An answer of the memory came late since the last look.
+  WorkAside aside_;
 };
 
 }  // namespace engram::navigation

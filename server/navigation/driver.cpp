@@ -6,6 +6,32 @@
 
 namespace engram::navigation {
 
+namespace {
+
+/// Holds a driver while it does something.
+class BusyDriver {
+ public:
+  explicit BusyDriver(std::atomic<bool>& is_busy)
+      : is_busy_(is_busy), was_busy_(is_busy.exchange(true)) {}
+  BusyDriver(const BusyDriver&) = delete;
+  BusyDriver& operator=(const BusyDriver&) = delete;
+  ~BusyDriver() {
+    if (!was_busy_) is_busy_ = false;
+  }
+
+  [[nodiscard]] Status check(const std::string& robot) const {
+    if (!was_busy_) return {};
+    return failed_precondition(
+        "drive: '{}' drives or plans already, needs that to end before something else", robot);
+  }
+
+ private:
+  std::atomic<bool>& is_busy_;
+  const bool was_busy_;
+};
+
+}  // namespace
+
 Status Driver::Options::validate() const {
   ENGRAM_RETURN_IF_ERROR(rules.validate());
   ENGRAM_RETURN_IF_ERROR(planner.validate());
@@ -39,6 +65,9 @@ Driver::Driver(Memory& memory, const Options& options, PathPlanner planner, Driv
 
 Result<DriveOutcome> Driver::drive(const DriveRequest& request, DriveBase& base,
                                    const std::stop_token& stop, const Report& report) {
+  const BusyDriver busy(is_busy_);
+  // The base belongs to the drive that goes on, so nobody stops it here.
+  ENGRAM_RETURN_IF_ERROR(busy.check(options_.robot));
   DriveRun run(*this, request, base, stop, report);
   auto outcome = run.go();
   // Whatever failed, the robot must not go on with its last command.
@@ -51,11 +80,14 @@ Result<DriveOutcome> Driver::drive(const DriveRequest& request, DriveBase& base,
 }
 
 Result<ltm::MemoryId> Driver::plan(const DriveRequest& request, const PlanarPose& from, Time time) {
+  const BusyDriver busy(is_busy_);
+  ENGRAM_RETURN_IF_ERROR(busy.check(options_.robot));
   const auto map = maps_->latest();
   if (map == nullptr)
     return failed_precondition("the memory has no cost map '{}'",
                                options_.rules.entity().printable());
-  ChosenPath chosen = choose_path(memory_, planner_, *map, request, from);
+  ENGRAM_ASSIGN_OR_RETURN(ChosenPath chosen,
+                          choose_path({memory_, options_.rules, *map, from}, planner_, request));
   if (const Status current = check_map(memory_, *map, options_.rules);
       chosen.found.is_found() && !current.ok()) {
     if (current.code() != StatusCode::kFailedPrecondition) return current;

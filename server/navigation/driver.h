@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <stop_token>
@@ -29,10 +30,11 @@ struct DriveOutcome {
 /// Drives a robot to places, around what is in the way.
 ///
 /// A drive plans on the newest cost map, checks that map against the objects themselves, follows
-/// the way, plans again when a newer map blocks it, waits where no way leads on, and gives up with
-/// a reason. All of it is committed as events with links (docs/navigation.md). It is what a skill
-/// calls; it knows no skills and no network.
-/// Threading: one thread for each drive; another one requests the stop.
+/// the way, plans again when a newer map blocks it or its goal was moved, waits where no way leads
+/// on, and gives up with a reason. All of it is committed as events with links
+/// (docs/navigation.md). It is what a skill calls; it knows no skills and no network.
+///
+/// Threading: thread-safe; it does one thing at a time, and refuses another meanwhile.
 /// Owns: nothing of the memory, which must outlive it.
 class Driver {
  public:
@@ -57,14 +59,17 @@ class Driver {
   /// Errors: kInvalidArgument for options that do not validate; those of MapFeed and DriveLog.
   static Result<std::unique_ptr<Driver>> open(Memory& memory, const Options& options);
 
-  /// Drives, and returns when the robot rests: it arrived, or the outcome says why not. A place
-  /// that nobody knows, a goal that is not free and a robot that is trapped are outcomes, not
-  /// errors. Errors: those of the base and of the memory. The base was told to stop then.
+  /// Drives, and returns when the robot rests: it arrived, or the outcome says why not. A request
+  /// that names no place, a place that nobody knows, a goal that is not free and a robot that is
+  /// trapped are outcomes, not errors.
+  /// Errors: kFailedPrecondition where it drives or plans already, which goes on; those of the base
+  /// and of the memory. The base was told to stop then.
   Result<DriveOutcome> drive(const DriveRequest& request, DriveBase& base,
                              const std::stop_token& stop = {}, const Report& report = {});
 
   /// Plans without driving, and commits the plan. `from` is where the robot would start.
   /// Returns the link to the plan, whose state may be refused.
+  /// Errors: kFailedPrecondition where it drives or plans already; those of the memory.
   Result<ltm::MemoryId> plan(const DriveRequest& request, const PlanarPose& from, Time time);
 
   /// The maps that it drives by.
@@ -81,6 +86,7 @@ class Driver {
   const PathPlanner planner_;
   DriveLog log_;
   std::unique_ptr<MapFeed> maps_;
+  std::atomic<bool> is_busy_ = false;
 };
 
 }  // namespace engram::navigation

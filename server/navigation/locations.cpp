@@ -7,6 +7,8 @@
 #include <set>
 
 #include "ltm/core/config.h"
+#include "ltm/core/log.h"
+#include "server/navigation/thing_members.h"
 
 namespace engram::navigation {
 
@@ -40,6 +42,7 @@ struct KnownLocation {
 Result<std::vector<std::pair<ltm::MemoryId, idf::Data>>> last_of(Memory& memory,
                                                                  std::string_view names) {
   std::vector<std::pair<ltm::MemoryId, idf::Data>> last;
+  if (names.empty()) return last;
   const auto found = memory.query(names);
   if (!found.ok() && found.status().code() == StatusCode::kNotFound) return last;
   ENGRAM_RETURN_IF_ERROR(found.status());
@@ -55,7 +58,12 @@ Result<std::vector<KnownLocation>> known_locations(Memory& memory) {
   std::vector<KnownLocation> known;
   for (const auto& [id, data] : last) {
     auto location = ::navigation::Location::from_idf(data);
-    if (!location.ok()) return location.status().with_context(id.printable());
+    // One that is malformed must not keep the robot from going anywhere else.
+    if (!location.ok()) {
+      log::warning("navigation: location '{}' is no place: {}", id.printable(),
+                   location.status().message());
+      continue;
+    }
     known.push_back({id, *std::move(location)});
   }
   return known;
@@ -67,28 +75,25 @@ bool is_called(const ::navigation::Location& location, const std::string& plain)
                      [&](const std::string& alias) { return plain_name(alias) == plain; });
 }
 
-/// Where a thing is, whatever it is called in its value.
-std::optional<PlanarPose> pose_of_thing(const idf::Data& data) {
-  for (const char* member : {"pose_world_object", "pose_world_surface"}) {
-    const idf::Data* value = data.at(member);
-    const idf::Data* position = value == nullptr ? nullptr : value->at(idf::kPositionKey);
-    const idf::Data* turned = value == nullptr ? nullptr : value->at(idf::kOrientationKey);
-    const auto* at = position == nullptr ? nullptr : position->get_if<idf::NdArray>();
-    const auto* wxyz = turned == nullptr ? nullptr : turned->get_if<idf::NdArray>();
-    if (at == nullptr || wxyz == nullptr || at->type() != idf::ElementType::kFloat64 ||
-        wxyz->type() != idf::ElementType::kFloat64 || at->count() != 3 || wxyz->count() != 4)
-      continue;
-    const auto p = at->values<double>();
-    const auto q = wxyz->values<double>();
-    const Eigen::Quaterniond given(q[0], q[1], q[2], q[3]);
-    if (!(given.norm() > 0.5)) continue;
-    const auto pose = PlanarPose::of({{p[0], p[1], p[2]}, given.normalized()});
-    if (pose.is_finite()) return pose;
-  }
+/// Where a thing is, by the first member that is a pose of those in which things of the map have
+/// it.
+std::optional<PlanarPose> pose_of_thing(const idf::Data& data, const MapRules& rules) {
+  for (const ObstacleSource& source : rules.sources)
+    if (const auto pose = pose_in(data, source.pose_member); pose.ok())
+      return PlanarPose::of(*pose);
   return {};
 }
 
-Result<NamedGoal> goal_of_location(Memory& memory, const KnownLocation& known) {
+/// What may stand on furniture.
+std::string names_of_things(const MapRules& rules) {
+  std::string names;
+  for (const ObstacleSource& source : rules.sources)
+    if (!source.is_surface) names += (names.empty() ? "" : " ; ") + source.names;
+  return names;
+}
+
+Result<NamedGoal> goal_of_location(Memory& memory, const KnownLocation& known,
+                                   const MapRules& rules) {
   const ::navigation::Location& location = known.location;
   NamedGoal goal{location.name, known.id, {}};
   if (location.pose_object_location && location.object.has_entity()) {
@@ -98,7 +103,7 @@ Result<NamedGoal> goal_of_location(Memory& memory, const KnownLocation& known) {
         last_of(
             memory,
             ltm::Query::of_entity(location.object.entity(), ltm::select::Latest{}).to_string()));
-    const auto outer = last.empty() ? std::nullopt : pose_of_thing(last.front().second);
+    const auto outer = last.empty() ? std::nullopt : pose_of_thing(last.front().second, rules);
     if (!inner || !outer)
       return invalid_argument("location '{}': where '{}' is, which it is relative to, is not known",
                               location.name, location.object.printable());
@@ -208,12 +213,12 @@ Status commit_location(Memory& memory, const std::string& provider,
   return memory.commit({{{entity, time, {std::move(instance)}}}});
 }
 
-Result<NamedGoal> find_goal(Memory& memory, const std::string& name, const CostMap& map,
-                            const PlanarPose& robot) {
+Result<NamedGoal> find_goal(Memory& memory, const MapRules& rules, const std::string& name,
+                            const CostMap& map, const PlanarPose& robot) {
   const std::string plain = plain_name(name);
   ENGRAM_ASSIGN_OR_RETURN(const std::vector<KnownLocation> locations, known_locations(memory));
   for (const KnownLocation& known : locations)
-    if (is_called(known.location, plain)) return goal_of_location(memory, known);
+    if (is_called(known.location, plain)) return goal_of_location(memory, known, rules);
   const Obstacle* found = next_obstacle(
       map, robot, [&](const Obstacle& obstacle) { return plain_name(obstacle.name) == plain; });
   if (found == nullptr)
@@ -224,12 +229,12 @@ Result<NamedGoal> find_goal(Memory& memory, const std::string& name, const CostM
     return NamedGoal{found->name, found->snapshot, poses_beside(*found, map, robot)};
   // What stands on furniture is no obstacle of its own; the robot goes to the furniture.
   std::set<std::string> names;
-  ENGRAM_ASSIGN_OR_RETURN(const auto things, last_of(memory, "Objects/Instances/.*/.*"));
+  ENGRAM_ASSIGN_OR_RETURN(const auto things, last_of(memory, names_of_things(rules)));
   for (const auto& [id, data] : things) {
     const std::string called = plain_name(id.names().back());
     names.insert(called);
     if (called != plain && without_number(called) != plain) continue;
-    const auto at = pose_of_thing(data);
+    const auto at = pose_of_thing(data, rules);
     if (!at) continue;
     const Obstacle* below = next_obstacle(map, robot, [&](const Obstacle& obstacle) {
       return obstacle.distance_m(at->position()) <= 0;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "memory/memory.h"
-#include "server/navigation/cost_map.h"
+#include "server/navigation/map_rules.h"
 #include "server/navigation/navigation_types.h"
 
 namespace engram::navigation {
@@ -32,11 +32,14 @@ Status commit_location(Memory& memory, const std::string& provider,
 /// piece of furniture that the map has, then a thing that stands on one of those. `chair` finds the
 /// one next to the robot of `chair_1`, `chair_2`. Case does not count, and `_` is a space.
 ///
+/// `rules` are those of the map: they say which things there are, and in which member each has its
+/// pose. A location that is no navigation::Location is skipped, with a warning in the log.
+///
 /// Beside an object the robot faces it: furniture from its front (where its x axis points away from
 /// the robot), all else from where the robot is.
 /// Errors: kNotFound naming the closest names that there are; kInvalidArgument for a location that
 /// does not say where it is; those of Memory::query.
-Result<NamedGoal> find_goal(Memory& memory, const std::string& name, const CostMap& map,
-                            const PlanarPose& robot);
+Result<NamedGoal> find_goal(Memory& memory, const MapRules& rules, const std::string& name,
+                            const CostMap& map, const PlanarPose& robot);
 
 }  // namespace engram::navigation

@@ -25,11 +25,12 @@ int main(int argc, char** argv) {
   for (const auto& [kind, count] : series->endings) fmt::print("{}: {}\n", kind, count);
   fmt::print(
       "drives {}, arrived {}, collisions {} {}, min distance {:.3f} m, without reason {}, "
-      "explained {}, replans {}, {:.1f} m in {:.0f} s, wall {:.1f} s\n",
+      "elsewhere {} (at most {:.2f} m), explained {}, replans {}, {:.1f} m in {:.0f} s, wall "
+      "{:.1f} s\n",
       series->drives, series->arrived, series->collisions, series->first_collision,
-      series->min_distance_m, series->without_reason, series->explained, series->replans,
-      series->travelled_m, series->driven_s, series->wall_s);
-  return series->collisions == 0 && series->without_reason == 0 &&
+      series->min_distance_m, series->without_reason, series->elsewhere, series->max_beside_m,
+      series->explained, series->replans, series->travelled_m, series->driven_s, series->wall_s);
+  return series->collisions == 0 && series->without_reason == 0 && series->elsewhere == 0 &&
                  series->explained == series->drives
              ? 0
              : 1;

@@ -16,15 +16,18 @@ struct SeriesOptions {
   bool is_verbose = false;  ///< Prints one line for each drive.
 };
 
-/// What came of many drives among chairs that are pushed and persons who walk about.
+/// What came of many drives, as it really was and not as the robot saw it, among chairs that are
+/// pushed and persons who walk about.
 struct Series {
   int drives = 0;
   int arrived = 0;
   int collisions = 0;
   std::string first_collision;
   double min_distance_m = 1e9;
-  int without_reason = 0;  ///< Ended otherwise than by arriving, and said no reason.
-  int explained = 0;       ///< "Why?" led from the last event to the words that were said.
+  int without_reason = 0;   ///< Ended otherwise than by arriving, and said no reason.
+  int elsewhere = 0;        ///< Said that they arrived, and were not beside what was asked for.
+  double max_beside_m = 0;  ///< The largest distance from there of those that arrived.
+  int explained = 0;        ///< "Why?" led from the last event to the words that were said.
   int replans = 0;
   double travelled_m = 0;
   double driven_s = 0;

@@ -4,7 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <thread>
 
 #include "server/navigation/locations.h"
 #include "server/navigation/plan_check.h"
@@ -13,6 +15,7 @@
 #include "tests/ltm/scratch_directory.h"
 #include "tests/server/navigation/drive_series.h"
 #include "tests/server/navigation/floor_example.h"
+#include "tests/server/navigation/hooked_memory.h"
 #include "tests/server/navigation/simulated_floor.h"
 
 namespace engram::navigation {
@@ -29,7 +32,7 @@ class DriverTest : public ::testing::Test {
              Driver::Options options = {}) {
     auto opened = Memory::open(scratch / "robot.engram");
     ASSERT_OK(opened);
-    memory = *std::move(opened);
+    memory = std::make_unique<testing::HookedMemory>(*std::move(opened));
     floor = std::make_unique<SimulatedFloor>(*memory, floor_options);
     ASSERT_OK(floor->commit_first());
     auto started = CostMapProvider::start(*memory, {});
@@ -51,7 +54,7 @@ class DriverTest : public ::testing::Test {
   }
 
   ScratchDirectory scratch;
-  std::unique_ptr<Memory> memory;
+  std::unique_ptr<testing::HookedMemory> memory;
   std::unique_ptr<SimulatedFloor> floor;
   std::unique_ptr<CostMapProvider> provider;
   std::unique_ptr<Driver> driver;
@@ -85,7 +88,7 @@ TEST_F(DriverTest, PlansAgainWhenAChairIsPutInItsWay) {
     is_put = true;
     ASSERT_OK(floor->put("chair_1", {0, -4, 0}));
   };
-  const auto outcome = driver->drive({.pose = {3, -4, 0}}, *floor);
+  const auto outcome = driver->drive({.pose = PlanarPose{3, -4, 0}}, *floor);
   ASSERT_OK(outcome);
   EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
   EXPECT_TRUE(is_put);
@@ -118,7 +121,7 @@ TEST_F(DriverTest, GivesUpWhenPersonsSurroundItAndNamesThem) {
   floor->on_step = [&] {
     if (++steps == 40) stand_around();
   };
-  const auto trapped = driver->drive({.pose = {3, -4, 0}}, *floor);
+  const auto trapped = driver->drive({.pose = PlanarPose{3, -4, 0}}, *floor);
   ASSERT_OK(trapped);
   EXPECT_EQ(trapped->kind, EventKind::TRAPPED) << trapped->reason;
   EXPECT_THAT(trapped->reason, HasSubstr("person_"));
@@ -150,11 +153,11 @@ TEST_F(DriverTest, RefusesPlacesThatNobodyKnowsAndGoalsThatAreNotFree) {
   EXPECT_EQ(unknown->kind, EventKind::REFUSED);
   EXPECT_THAT(unknown->reason, HasSubstr("did you mean 'table'"));
   EXPECT_EQ(reported, unknown->reason);
-  const auto inside = driver->drive({.pose = {1.5, 1, 0}}, *floor);
+  const auto inside = driver->drive({.pose = PlanarPose{1.5, 1, 0}}, *floor);
   ASSERT_OK(inside);
   EXPECT_THAT(inside->reason, HasSubstr("too near to table"));
   EXPECT_EQ(events().back().blocked_by.size(), 1U);
-  const auto infinite = driver->drive({.pose = {std::nan(""), 1, 0}}, *floor);
+  const auto infinite = driver->drive({.pose = PlanarPose{std::nan(""), 1, 0}}, *floor);
   ASSERT_OK(infinite);
   EXPECT_THAT(infinite->reason, HasSubstr("not finite"));
 }
@@ -216,6 +219,173 @@ TEST_F(DriverTest, StopsABaseThatFails) {
   EXPECT_TRUE(base.is_stopped);
 }
 
+/// How far the robot really is from the outline of a thing.
+double distance_of(SimulatedFloor& floor, const std::string& name) {
+  return floor.body(name)->distance_m(floor.state()->pose_world_robot.position());
+}
+
+TEST_F(DriverTest, GoesToWhereItsGoalWasPushedTo) {
+  start();
+  floor->put_robot({-4, -4, 0});
+  ASSERT_OK(floor->put("chair_1", {3, -4, 0}));
+  ASSERT_OK(floor->put("chair_2", {-4, 3, 0}));
+  ASSERT_OK(floor->wait(std::chrono::milliseconds(50)));
+  bool is_pushed = false;
+  floor->on_step = [&] {
+    if (is_pushed || floor->state()->pose_world_robot.x_m < 0) return;
+    is_pushed = true;
+    ASSERT_OK(floor->put("chair_1", {-1, 3, 0}));
+  };
+  // The other chair is nearer by then, but it was not what the robot went to.
+  const auto outcome = driver->drive({.goal = "chair"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+  EXPECT_TRUE(is_pushed);
+  EXPECT_LT(distance_of(*floor, "chair_1"), 0.75);
+  EXPECT_EQ(floor->collisions(), 0);
+}
+
+TEST_F(DriverTest, LooksForItsGoalAgainBeforeItSaysThatItArrived) {
+  start();
+  floor->put_robot({-4, -4, 0});
+  ASSERT_OK(floor->put("chair_1", {0, -4, 0}));
+  ASSERT_OK(floor->wait(std::chrono::milliseconds(50)));
+  int pushes = 0;
+  // It is taken away when the robot is there already and only turns any more.
+  floor->on_step = [&] {
+    if (pushes > 0 || distance_of(*floor, "chair_1") > 0.66) return;
+    ++pushes;
+    ASSERT_OK(floor->put("chair_1", {0, -1, 0}));
+  };
+  const auto outcome = driver->drive({.goal = "chair_1"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+  EXPECT_EQ(pushes, 1);
+  EXPECT_LT(distance_of(*floor, "chair_1"), 0.75);
+  EXPECT_GE(outcome->replans, 1);
+}
+
+TEST_F(DriverTest, RefusesARequestThatNamesNoPlace) {
+  start();
+  const PlanarPose before = floor->state()->pose_world_robot;
+  const auto outcome = driver->drive({}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_EQ(outcome->kind, EventKind::REFUSED);
+  EXPECT_EQ(outcome->reason, "the request names no place");
+  EXPECT_EQ(floor->state()->pose_world_robot, before);
+}
+
+TEST_F(DriverTest, RefusesASecondDriveAndDoesNotDisturbTheFirst) {
+  start();
+  int refused = 0;
+  floor->on_step = [&] {
+    if (++refused > 2) return;
+    EXPECT_FAILS(driver->drive({.goal = "sofa"}, *floor), StatusCode::kFailedPrecondition,
+                 "'robot' drives or plans already");
+    EXPECT_FAILS(driver->plan({.goal = "sofa"}, {}, floor->now()), StatusCode::kFailedPrecondition,
+                 "drives or plans already");
+  };
+  const auto outcome = driver->drive({.goal = "table"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+  EXPECT_GT(refused, 2);
+  EXPECT_OK(driver->plan({.goal = "sofa"}, {}, floor->now()));
+}
+
+TEST_F(DriverTest, HasAllItsPatienceAgainAfterNoWayLedOn) {
+  start({.chairs = 0, .persons = 9}, {.patience = seconds(3)});
+  floor->put_robot({-2, -2.5, 0});
+  for (int i = 0; i < 9; ++i)
+    ASSERT_OK(floor->put(fmt::format("person_{}", i + 1),
+                         {-2 + 1.2 * std::cos(i * 0.698), -2.5 + 1.2 * std::sin(i * 0.698), 0}));
+  ASSERT_OK(floor->wait(std::chrono::milliseconds(50)));
+  int steps = 0;
+  floor->on_step = [&] {
+    // 2.9 s of 3 s.
+    if (++steps != 58) return;
+    for (int i = 0; i < 9; ++i)
+      ASSERT_OK(floor->put(fmt::format("person_{}", i + 1), {-4.3 + i, 4, 0}));
+  };
+  const auto outcome = driver->drive({.goal = "table"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_EQ(events().front().kind, EventKind::BLOCKED);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+}
+
+TEST_F(DriverTest, PassesOnThatTheMemoryFailed) {
+  start();
+  memory->on_query = [this]() -> Status {
+    return floor->now() > testing::kBegin + seconds(2) ? unavailable("the server is away")
+                                                       : Status();
+  };
+  // Not that nobody knows the table.
+  EXPECT_FAILS(driver->drive({.goal = "table"}, *floor), StatusCode::kUnavailable,
+               "the server is away");
+  ASSERT_OK(floor->wait(seconds(2)));
+  EXPECT_EQ(floor->state()->twist, Twist{});
+  EXPECT_FAILS(driver->plan({.goal = "table"}, {}, floor->now()), StatusCode::kUnavailable,
+               "the server is away");
+}
+
+/// Counts how often the platform was told to stop.
+class CountedStops : public DriveBase {
+ public:
+  explicit CountedStops(DriveBase& inner) : inner_(inner) {}
+  Result<BaseState> state() override { return inner_.state(); }
+  Status move(const Twist& twist) override { return inner_.move(twist); }
+  Status stop() override {
+    ++stops;
+    return inner_.stop();
+  }
+  Status wait(Duration time) override { return inner_.wait(time); }
+
+  std::atomic<int> stops = 0;
+
+ private:
+  DriveBase& inner_;
+};
+
+TEST_F(DriverTest, StopsWhileTheMemoryDoesNotAnswer) {
+  start();
+  CountedStops base(*floor);
+  std::atomic<int> slow = 0;
+  std::atomic<int> left_alone = 0;
+  // Answers come only after the robot was told to stop. Who never tells it waits for all of this.
+  memory->on_query = [&]() -> Status {
+    if (floor->now() < testing::kBegin + seconds(2) || slow >= 4) return {};
+    ++slow;
+    const int before = base.stops;
+    for (int i = 0; i < 2000 && base.stops == before; ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    left_alone += base.stops == before ? 1 : 0;
+    return {};
+  };
+  const auto outcome = driver->drive({.pose = PlanarPose{3, -4, 0}}, base);
+  ASSERT_OK(outcome);
+  EXPECT_EQ(slow, 4);
+  EXPECT_EQ(left_alone, 0);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+}
+
+TEST_F(DriverTest, RestsBeforeItReturnsThoughItsPlatformHearsLate) {
+  Driver::Options options;
+  options.limits.reaction_s = 0.25;
+  start({.chairs = 0, .persons = 0, .latency = std::chrono::milliseconds(100)}, options);
+  std::stop_source stop;
+  int steps = 0;
+  // The first command to move was given, and is not heard yet.
+  floor->on_step = [&] {
+    if (++steps == 1) stop.request_stop();
+  };
+  floor->put_robot({-4, -4, 0});
+  const auto outcome = driver->drive({.pose = PlanarPose{3, -4, 0}}, *floor, stop.get_token());
+  ASSERT_OK(outcome);
+  EXPECT_EQ(outcome->kind, EventKind::STOPPED);
+  const PlanarPose rested = floor->state()->pose_world_robot;
+  ASSERT_OK(floor->wait(seconds(1)));
+  EXPECT_NEAR((floor->state()->pose_world_robot.position() - rested.position()).norm(), 0, 0.002);
+}
+
 // `make drives` makes 500 of them.
 TEST(Drives, AmongChairsAndPersonsTouchNothingAndAreAllExplained) {
   const ScratchDirectory scratch;
@@ -224,6 +394,7 @@ TEST(Drives, AmongChairsAndPersonsTouchNothingAndAreAllExplained) {
   EXPECT_EQ(series->drives, 15);
   EXPECT_EQ(series->collisions, 0) << series->first_collision;
   EXPECT_EQ(series->without_reason, 0);
+  EXPECT_EQ(series->elsewhere, 0) << series->max_beside_m;
   EXPECT_EQ(series->explained, 15);
   EXPECT_GE(series->arrived, 8);
 }

@@ -9,6 +9,7 @@
 #include "server/navigation/driver.h"
 #include "server/navigation/locations.h"
 #include "server/navigation/why.h"
+#include "server/skills/skill_records.h"
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
 #include "tests/server/navigation/floor_example.h"
@@ -76,7 +77,7 @@ TEST_F(PlanCheck, APlanNamesItsInputsAtTheirVersions) {
 }
 
 TEST_F(PlanCheck, RefusesAPlanWhoseObjectWasMovedAndNamesBothTimes) {
-  const ::navigation::Plan plan = planned({.pose = {4, 4, 0}});
+  const ::navigation::Plan plan = planned({.pose = PlanarPose{4, 4, 0}});
   commit({thing_at("chair_1", "chair", {-2, 0, 0}, 0.45, kBegin + seconds(5))});
   // Seen again where it was.
   EXPECT_OK(check_plan(*memory, plan, {}));
@@ -89,13 +90,13 @@ TEST_F(PlanCheck, RefusesAPlanWhoseObjectWasMovedAndNamesBothTimes) {
 }
 
 TEST_F(PlanCheck, RefusesAPlanWhenAnObjectCameOrWent) {
-  ::navigation::Plan plan = planned({.pose = {4, 4, 0}});
+  ::navigation::Plan plan = planned({.pose = PlanarPose{4, 4, 0}});
   commit({thing_at("chair_2", "chair", {0, 0, 0}, 0.45, kBegin + seconds(1))});
   EXPECT_FAILS(check_plan(*memory, plan, {}), StatusCode::kFailedPrecondition, "chair_2' came");
   ASSERT_TRUE(
       provider->wait_for(testing::thing_id("chair_2").at(kBegin + seconds(1)), seconds(20)));
   ASSERT_TRUE(driver->maps().wait_for(*provider->latest().id.time(), seconds(20)));
-  plan = planned({.pose = {4, 4, 0}}, kBegin + seconds(2));
+  plan = planned({.pose = PlanarPose{4, 4, 0}}, kBegin + seconds(2));
   EXPECT_OK(check_plan(*memory, plan, {}));
   commit({thing_at("chair_2", "chair", {0, 0, 0}, 1.2, kBegin + seconds(3), "left")});
   EXPECT_FAILS(check_plan(*memory, plan, {}), StatusCode::kFailedPrecondition,
@@ -105,7 +106,7 @@ TEST_F(PlanCheck, RefusesAPlanWhenAnObjectCameOrWent) {
 TEST_F(PlanCheck, RefusesAPlanOnAMapThatNobodyUpdates) {
   provider.reset();
   commit({thing_at("chair_1", "chair", {1, 1, 0}, 0.45, kBegin + seconds(1))});
-  const ::navigation::Plan plan = planned({.pose = {4, 4, 0}}, kBegin + seconds(2));
+  const ::navigation::Plan plan = planned({.pose = PlanarPose{4, 4, 0}}, kBegin + seconds(2));
   EXPECT_EQ(plan.state, ::navigation::PlanState::REFUSED);
   EXPECT_THAT(plan.reason, HasSubstr("the map is stale: 'Objects/Instances/kitchen/chair_1'"));
   EXPECT_FAILS(check_plan(*memory, plan, {}), StatusCode::kFailedPrecondition, "has no way");
@@ -124,27 +125,51 @@ TEST_F(PlanCheck, FindsGoalsByNameAliasNumberAndWhatStandsOnFurniture) {
   ASSERT_OK(commit_location(*memory, "people", seat, kBegin));
   const CostMap map = provider->latest();
   for (const char* name : {"dock", "Charging_Station", "HOME"}) {
-    const auto goal = find_goal(*memory, name, map, {});
+    const auto goal = find_goal(*memory, MapRules{}, name, map, {});
     ASSERT_OK(goal);
     EXPECT_EQ(goal->poses.front(), (PlanarPose{-4, 4, 1}));
     EXPECT_EQ(goal->location, location_entity("people", "dock")->at(kBegin).instance(0));
   }
-  const auto beside_chair = find_goal(*memory, "my seat", map, {});
+  const auto beside_chair = find_goal(*memory, MapRules{}, "my seat", map, {});
   ASSERT_OK(beside_chair);
   EXPECT_EQ(beside_chair->poses.front(), (PlanarPose{-3, 0, 0}));
-  EXPECT_EQ(find_goal(*memory, "chair", map, {})->name, "chair_1");
-  const auto salt = find_goal(*memory, "salt", map, {});
+  EXPECT_EQ(find_goal(*memory, MapRules{}, "chair", map, {})->name, "chair_1");
+  const auto salt = find_goal(*memory, MapRules{}, "salt", map, {});
   ASSERT_OK(salt);
   EXPECT_EQ(salt->name, "salt_1");
   EXPECT_LT(salt->poses.front().x_m, 1.6);
 }
 
 TEST_F(PlanCheck, NamesTheClosestPlacesWhereOneIsUnknown) {
-  const auto goal = find_goal(*memory, "tabel", provider->latest(), {});
+  const auto goal = find_goal(*memory, MapRules{}, "tabel", provider->latest(), {});
   EXPECT_FAILS(goal, StatusCode::kNotFound, "did you mean 'table'");
   EXPECT_THAT(goal.status().message(), HasSubstr("chair 1"));
   const ::navigation::Plan plan = planned({.goal = "tabel"});
   EXPECT_THAT(plan.reason, HasSubstr("did you mean 'table'"));
+}
+
+TEST_F(PlanCheck, GoesToOtherPlacesAlthoughALocationIsMalformed) {
+  commit({{location_entity("people", "dock").value(), kBegin, {{idf::Dict{{"name", 3}}, {}}}}});
+  const auto table = find_goal(*memory, MapRules{}, "table", provider->latest(), {});
+  ASSERT_OK(table);
+  EXPECT_EQ(table->name, "table");
+  EXPECT_FAILS(find_goal(*memory, MapRules{}, "dock", provider->latest(), {}),
+               StatusCode::kNotFound, "unknown");
+}
+
+TEST_F(PlanCheck, FindsThingsWhereTheRulesOfTheMapSay) {
+  const ltm::MemoryId jar = ltm::MemoryId::parse("Store/Goods/shop/jar").value();
+  commit({{jar, kBegin, {{idf::Dict{{"place", testing::pose_data({2, 0.5, 0}, 0.8)}}, {}}}}});
+  MapRules rules;
+  rules.sources.push_back({.names = "Store/Goods/.*/.*", .pose_member = "place"});
+  const CostMap map = provider->latest();
+  const auto found = find_goal(*memory, rules, "jar", map, {});
+  ASSERT_OK(found);
+  EXPECT_EQ(found->location, jar.at(kBegin).instance(0));
+  EXPECT_FAILS(find_goal(*memory, MapRules{}, "jar", map, {}), StatusCode::kNotFound, "jar");
+  // What the rules do not name is no goal either.
+  rules.sources = {MapRules::surfaces()};
+  EXPECT_FAILS(find_goal(*memory, rules, "salt", map, {}), StatusCode::kNotFound, "salt");
 }
 
 TEST_F(PlanCheck, RefusesLocationsThatAreNowhere) {
@@ -160,22 +185,41 @@ TEST_F(PlanCheck, RefusesLocationsThatAreNowhere) {
 TEST_F(PlanCheck, WhyFollowsLinksToTheWordsThatWereSaid) {
   const ltm::MemoryId speech =
       ltm::MemoryId::parse("Speech/Commands/human/text")->at(kBegin).instance(0);
-  const ltm::MemoryId request =
-      ltm::MemoryId::parse("Skill/Requests/robot/navigate")->at(kBegin).instance(0);
-  commit({{speech.entity(), kBegin, {{idf::Dict{{"text", "Go to the table!"}}, {}}}},
-          {request.entity(),
-           kBegin,
-           {{idf::Dict{{"skill", "navigate"}, {"command", speech.to_data()}}, {}}}}});
-  planned({.goal = "table", .request = request, .cause = speech});
+  commit({{speech.entity(), kBegin, {{idf::Dict{{"text", "Go to the table!"}}, {}}}}});
+  // As the memory of skills writes it.
+  for (const auto& [segment, type] : skills::skill_types())
+    ASSERT_OK(memory->declare(segment, type));
+  skills::SkillRecords records(
+      *memory, [] { return kBegin; }, CommitDurability::kMemory);
+  ::skill::ExecutionRequest asked;
+  asked.skill = "robot/drive";
+  // A cause that names no snapshot leads nowhere.
+  asked.causes = {speech.entity(), speech};
+  const auto request = records.add_request("human", {"robot", "drive"}, asked);
+  ASSERT_OK(request);
+  planned({.goal = "table", .request = *request});
   const auto steps = why(*memory, last_plan);
   ASSERT_OK(steps);
   ASSERT_THAT(*steps, SizeIs(3));
   EXPECT_EQ((*steps)[0].id, last_plan);
-  EXPECT_EQ((*steps)[1].id, request);
+  EXPECT_EQ((*steps)[1].id, *request);
   EXPECT_EQ((*steps)[1].member, "request");
+  EXPECT_EQ((*steps)[1].says, "robot/drive");
   EXPECT_EQ((*steps)[2].id, speech);
   EXPECT_EQ((*steps)[2].says, "Go to the table!");
-  EXPECT_THAT(why_text(*steps), HasSubstr("because of its command: Speech/Commands/human/text"));
+  EXPECT_THAT(why_text(*steps), HasSubstr("because of its causes: Speech/Commands/human/text"));
+  // A request without causes, or one that was forgotten, does not hide that of the plan.
+  asked.causes.clear();
+  const auto causeless = records.add_request("human", {"robot", "drive"}, asked);
+  ASSERT_OK(causeless);
+  for (const ltm::MemoryId& asked_by : {*causeless, request->entity().at(kBegin + seconds(5))}) {
+    planned({.goal = "table", .request = asked_by, .cause = speech}, kBegin + seconds(1));
+    const auto beside = why(*memory, last_plan);
+    ASSERT_OK(beside);
+    ASSERT_THAT(*beside, SizeIs(3));
+    EXPECT_EQ((*beside)[2].id, speech);
+    EXPECT_EQ((*beside)[2].member, "cause");
+  }
   EXPECT_FAILS(why(*memory, speech.entity().at(kBegin + seconds(9))), StatusCode::kNotFound, "");
 }
 

@@ -37,18 +37,20 @@ double towards(double now, double wanted, double max_change) {
 }  // namespace
 
 SimulatedFloor::SimulatedFloor(Memory& memory, const Options& options)
-    : memory_(memory), options_(options), random_(options.seed), now_(kBegin) {
+    : memory_(memory), options_(options), random_(options.seed), now_(kBegin + options.latency) {
   furniture_ = {
       box_body("table", {1.5, 1, 0.3}, 0.9, 1.6), box_body("counter", {4.2, -1, 0}, 0.6, 4),
       box_body("shelf", {-2, 4.3, 1.57}, 0.5, 2.2), box_body("sofa", {-3.5, 0.8, 3.14}, 0.9, 2)};
   for (int i = 1; i <= options.chairs; ++i) {
     const PlanarPose at = free_place(0.4);
     chairs_.push_back({box_body(fmt::format("chair_{}", i), at, 0.45, 0.45), 0.9});
+    move_to(chairs_.back(), at);
   }
   for (int i = 1; i <= options.persons; ++i) {
     const PlanarPose at = free_place(0.5);
     persons_.push_back({round_body(fmt::format("person_{}", i), at.position(), 0.5), 1.7});
     persons_.back().goal = random_point();
+    move_to(persons_.back(), persons_.back().body.pose_world_obstacle);
   }
 }
 
@@ -83,18 +85,29 @@ Status SimulatedFloor::commit_first() {
     commit.updates.push_back(
         surface_at(body.name, body.pose_world_obstacle, 0.75, body.size_m.x(), body.size_m.y()));
   ENGRAM_RETURN_IF_ERROR(memory_.commit(commit, CommitDurability::kMemory));
-  return commit_moved();
+  // What is there from the beginning was seen.
+  for (auto* movers : {&chairs_, &persons_})
+    for (Mover& mover : *movers) mover.unseen.front().first = now_ - options_.latency;
+  return commit_seen();
 }
 
-Status SimulatedFloor::commit_moved() {
+void SimulatedFloor::move_to(Mover& mover, const PlanarPose& pose) const {
+  mover.body.pose_world_obstacle = pose;
+  mover.unseen.emplace_back(now_, pose);
+}
+
+Status SimulatedFloor::commit_seen() {
+  const Time seen = now_ - options_.latency;
   ltm::Commit commit;
   for (auto* movers : {&chairs_, &persons_})
     for (Mover& mover : *movers) {
-      if (!mover.has_moved) continue;
-      mover.has_moved = false;
+      std::optional<PlanarPose> pose;
+      for (; !mover.unseen.empty() && mover.unseen.front().first <= seen; mover.unseen.pop_front())
+        pose = mover.unseen.front().second;
+      if (!pose) continue;
       const bool is_person = mover.body.shape == Obstacle::Shape::kCylinder;
-      commit.updates.push_back(thing_at(mover.body.name, is_person ? "person" : "chair",
-                                        mover.body.pose_world_obstacle, mover.height_m / 2, now_));
+      commit.updates.push_back(thing_at(mover.body.name, is_person ? "person" : "chair", *pose,
+                                        mover.height_m / 2, seen));
     }
   if (commit.updates.empty()) return {};
   ENGRAM_RETURN_IF_ERROR(memory_.commit(commit, CommitDurability::kMemory));
@@ -112,22 +125,23 @@ Result<BaseState> SimulatedFloor::state() {
 }
 
 Status SimulatedFloor::move(const Twist& twist) {
-  commanded_ = twist;
+  unheard_.emplace_back(now_ + options_.latency, twist);
   return {};
 }
 
 Status SimulatedFloor::stop() {
-  commanded_ = {};
-  return {};
+  return move({});
 }
 
 Status SimulatedFloor::wait(Duration time) {
   constexpr Duration kStep = std::chrono::milliseconds(10);
   for (Duration left = time; left > Duration::zero(); left -= kStep) {
+    for (; !unheard_.empty() && unheard_.front().first <= now_; unheard_.pop_front())
+      commanded_ = unheard_.front().second;
     now_ += kStep;
     step(to_seconds(kStep));
   }
-  ENGRAM_RETURN_IF_ERROR(commit_moved());
+  ENGRAM_RETURN_IF_ERROR(commit_seen());
   if (on_step) on_step();
   return {};
 }
@@ -172,9 +186,7 @@ bool SimulatedFloor::try_to_go(Mover& mover, const Eigen::Vector2d& way, double 
   const double clear = clearance_m(at, mover.body.name);
   if (clear < radius && clear < clearance_m(before, mover.body.name)) return false;
   if (at.cwiseAbs().maxCoeff() > kHalfRoomM + 0.3) return false;
-  mover.body.pose_world_obstacle.x_m = at.x();
-  mover.body.pose_world_obstacle.y_m = at.y();
-  mover.has_moved = true;
+  move_to(mover, {at.x(), at.y(), mover.body.pose_world_obstacle.heading_rad});
   return true;
 }
 
@@ -231,14 +243,22 @@ void SimulatedFloor::surround(bool is_on) {
     }
 }
 
+std::optional<Obstacle> SimulatedFloor::body(const std::string& name) const {
+  for (const Obstacle& body : furniture_)
+    if (body.name == name) return body;
+  for (const auto* movers : {&chairs_, &persons_})
+    for (const Mover& mover : *movers)
+      if (mover.body.name == name) return mover.body;
+  return {};
+}
+
 Status SimulatedFloor::put(const std::string& name, const PlanarPose& pose) {
   for (auto* movers : {&chairs_, &persons_})
     for (Mover& mover : *movers)
       if (mover.body.name == name) {
-        mover.body.pose_world_obstacle = pose;
+        move_to(mover, pose);
         mover.goal = pose.position();
         mover.pause_s = mover.body.shape == Obstacle::Shape::kCylinder ? 1e6 : 0;
-        mover.has_moved = true;
         return {};
       }
   return not_found("no '{}' on the floor", name);

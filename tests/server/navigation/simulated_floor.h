@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <deque>
 #include <functional>
-#include <map>
-#include <memory>
+#include <optional>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "memory/memory.h"
@@ -22,9 +23,12 @@ namespace engram::navigation::testing {
 /// Persons go at up to 1 m/s to places that they choose; they do not walk into the robot, furniture
 /// or each other, but come as near to the robot as 10 cm and stand in its way. Chairs are pushed
 /// for a second at 0.4 m/s now and then, and not against anything. Each step is committed to the
-/// memory as perception would do it, and the step ends when the map of it is there: the delay of
-/// the real chain is part of the period. Collisions are looked for every 10 ms, between exact
-/// outlines.
+/// memory as perception would do it, and the step ends when the map of it is there.
+///
+/// Simulated time stands still while the memory, the provider of maps and the driver work. In place
+/// of what they take, everything is seen Options::latency late, and the platform hears each command
+/// as late. Collisions are looked for every 10 ms, between the exact outlines where things and the
+/// robot really are then.
 ///
 /// Threading: one thread, that of the drive.
 class SimulatedFloor : public DriveBase {
@@ -33,6 +37,7 @@ class SimulatedFloor : public DriveBase {
     uint32_t seed = 1;
     int chairs = 5;
     int persons = 3;
+    Duration latency{};  ///< Until a thing is seen where it is, and until a command is heard.
     double robot_radius_m = 0.3;
     double acceleration_m_s2 = 1.2;
     double turn_acceleration_rad_s2 = 5;
@@ -70,6 +75,10 @@ class SimulatedFloor : public DriveBase {
   [[nodiscard]] Time now() const { return now_; }
 
   /// A place where the robot may stand.
+  /// Where a thing or piece of furniture really is. Nothing where there is no such one.
+  [[nodiscard]] std::optional<Obstacle> body(const std::string& name) const;
+
+  /// A place where the robot may stand.
   [[nodiscard]] PlanarPose free_place(double clear_m = 0.5);
 
   /// Called at the end of each step.
@@ -77,13 +86,15 @@ class SimulatedFloor : public DriveBase {
 
  private:
   struct Mover {
-    Obstacle body;
+    Obstacle body;  ///< Where it really is.
     double height_m = 0;
     Eigen::Vector2d goal = Eigen::Vector2d::Zero();
     double speed_m_s = 0;
     double pause_s = 0;
-    bool has_moved = true;
+    std::deque<std::pair<Time, PlanarPose>> unseen{};
   };
+  /// Puts it there; it is seen there later.
+  void move_to(Mover& mover, const PlanarPose& pose) const;
 
   [[nodiscard]] double clearance_m(const Eigen::Vector2d& point, const std::string& but) const;
   void step(double seconds);
@@ -91,7 +102,7 @@ class SimulatedFloor : public DriveBase {
   void step_person(Mover& person, int number, double seconds);
   void step_chair(Mover& chair, double seconds);
   bool try_to_go(Mover& mover, const Eigen::Vector2d& way, double seconds, double keeps_m);
-  Status commit_moved();
+  Status commit_seen();
   [[nodiscard]] Eigen::Vector2d random_point();
 
   Memory& memory_;
@@ -100,6 +111,7 @@ class SimulatedFloor : public DriveBase {
   Time now_;
   PlanarPose robot_{-3, -3, 0};
   Twist twist_;
+  std::deque<std::pair<Time, Twist>> unheard_;
   Twist commanded_;
   std::vector<Obstacle> furniture_;
   std::vector<Mover> chairs_;
