@@ -10,6 +10,7 @@
 #include "server/kitchen/body_client.h"
 #include "server/navigation/cost_map_provider.h"
 #include "server/navigation/driver.h"
+#include "server/navigation/plan_check.h"
 
 namespace engram::cli {
 
@@ -93,12 +94,9 @@ class BusBase final : public nav::DriveBase {
 
 /// Why the skill was asked for: the first cause of its request.
 ltm::MemoryId cause_of(Memory& memory, const ltm::MemoryId& request) {
-  const auto found =
-      memory.query(ltm::Query::of_entity(request.entity(), ltm::select::At{*request.time()}), "");
-  if (!found.ok()) return {};
-  const ltm::InstanceResult* instance = found->find_instance(request);
-  if (instance == nullptr) return {};
-  const auto asked = ::skill::ExecutionRequest::from_idf(instance->data);
+  const auto value = nav::value_at(memory, request);
+  if (!value.ok()) return {};
+  const auto asked = ::skill::ExecutionRequest::from_idf(*value);
   return asked.ok() && !asked->causes.empty() ? asked->causes.front() : ltm::MemoryId();
 }
 
@@ -125,11 +123,13 @@ class LiveNavigation final : public KitchenNavigation {
 
   Status add_to(SkillProvider& provider, const server::Endpoint& bus) override {
     return provider.add(kDriveSkill, [this, bus](SkillRun& run) {
+      const auto& to = run.parameters().at("to")->get<std::string>();
+      if (to.find_first_not_of(' ') == std::string::npos)
+        return SkillEnd::failure("to: is empty, needs the name of a place or thing");
       auto base = BusBase::connect(bus);
       if (!base.ok()) return SkillEnd::failure(base.status().message());
-      const nav::DriveRequest request{.goal = run.parameters().at("to")->get<std::string>(),
-                                      .request = run.request(),
-                                      .cause = cause_of(memory_, run.request())};
+      const nav::DriveRequest request{
+          .goal = to, .request = run.request(), .cause = cause_of(memory_, run.request())};
       return end_of_drive(driver_->drive(
           request, **base, run.stop(), [&run](::navigation::EventKind, const std::string& text) {
             const Status told = run.report(idf::Dict{{"event", text}});

@@ -167,6 +167,12 @@ TEST_F(LiveKitchen, GoesOnWhenADriverOrTheServerIsKilled) {
       run_engram({"skill", "run", "kitchen/pick", "object=Objects/Instances/kitchen/dog_1"});
   EXPECT_EQ(none.exit_code, 1);
   EXPECT_THAT(none.out + none.err, HasSubstr("has no 'dog_1'"));
+  // A program without navigation has no such skill.
+  if (run_engram({"skill", "ls"}).out.find("kitchen/drive") != std::string::npos) {
+    const RunResult nowhere = run_engram({"skill", "run", "kitchen/drive", "to="});
+    EXPECT_EQ(nowhere.exit_code, 1);
+    EXPECT_THAT(nowhere.out + nowhere.err, HasSubstr("needs the name of a place or thing"));
+  }
   const RunResult ended = kitchen.end(SIGINT);
   EXPECT_EQ(ended.exit_code, 0) << ended.err;
   EXPECT_THAT(ended.out, HasSubstr(R"("event":"ended")"));
