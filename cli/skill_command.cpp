@@ -4,6 +4,7 @@
 #include "cli/server_commands.h"
 #include "cli/skill_text.h"
 #include "ltm/idf/json.h"
+#include "server/navigation/why.h"
 #include "server/skills/skill_call.h"
 
 namespace engram::cli {
@@ -19,6 +20,7 @@ Examples:
   engram skill show grasp
   engram skill run grasp object=Objects/Instances/kitchen/salt_1 hand=left --wait 5s
   engram skill why grasp object=Objects/Instances/kitchen/salt_1
+  engram skill why Navigation/Event/robot/drive      # why it drove there: up to the words that were said
   engram skill stop grasp
   engram skill disable arm/grasp
   engram skill ls --db robot.engram)";
@@ -90,6 +92,38 @@ Status explain(const SkillArguments& arguments) {
   return {};
 }
 
+/// What led to a snapshot, where one is named in place of a skill: an ID has more names than a
+/// skill.
+std::optional<ltm::MemoryId> told_snapshot(const SkillArguments& arguments) {
+  const auto id = ltm::MemoryId::parse(arguments.skill);
+  if (!id.ok() || !id->has_entity()) return {};
+  return *id;
+}
+
+Status explain_snapshot(const SkillArguments& arguments, const ltm::MemoryId& id) {
+  if (!arguments.given.empty() || !arguments.parameters.empty())
+    return invalid_argument("'{}' is a snapshot, which has no parameters; needs none",
+                            id.printable());
+  ENGRAM_ASSIGN_OR_RETURN(const auto memory, memory_of(arguments));
+  ENGRAM_ASSIGN_OR_RETURN(const auto steps, navigation::why(*memory, id));
+  if (!arguments.is_json) {
+    std::string text = navigation::why_text(steps);
+    text.pop_back();  // print() ends the last line.
+    print(text);
+    return {};
+  }
+  Json list = Json::array();
+  for (const navigation::WhyStep& step : steps)
+    list.push_back({{"id", step.id.to_string()}, {"member", step.member}, {"says", step.says}});
+  print_json({{"why", std::move(list)}});
+  return {};
+}
+
+Status explain_why(const SkillArguments& arguments) {
+  if (const auto id = told_snapshot(arguments)) return explain_snapshot(arguments, *id);
+  return explain(arguments);
+}
+
 Result<skills::SkillRequest> request_of(const SkillArguments& arguments) {
   skills::SkillRequest request{
       .skill = arguments.skill, .requester = "cli", .version = arguments.version};
@@ -140,10 +174,10 @@ Status ask(const SkillArguments& arguments, ::skill::Wish wish) {
 }
 
 CLI::App* add_one(CLI::App& skill, const std::string& name, const std::string& help,
-                  const std::shared_ptr<SkillArguments>& arguments) {
+                  const std::shared_ptr<SkillArguments>& arguments,
+                  const std::string& what = "SKILL, or PROVIDER/SKILL") {
   CLI::App* command = skill.add_subcommand(name, help);
-  if (name != "ls")
-    command->add_option("skill", arguments->skill, "SKILL, or PROVIDER/SKILL")->required();
+  if (name != "ls") command->add_option("skill", arguments->skill, what)->required();
   command->add_flag("--json", arguments->is_json, "JSON");
   add_remote_options(*command, arguments->remote);
   return command;
@@ -167,14 +201,21 @@ void add_skill_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--db", arguments->store, "Of a store, in place of a server");
   command->callback([arguments, &exit_code] { exit_code = done_or_failed(list_all(*arguments)); });
 
-  for (const auto& [name, help] :
-       {std::pair{"show", "A skill: its parameters, conditions and last execution"},
-        std::pair{"why", "Why it would not start now, and why it was refused last"}}) {
+  for (const auto& [name, help, what, answer] :
+       {std::tuple{"show", "A skill: its parameters, conditions and last execution",
+                   "SKILL, or PROVIDER/SKILL", &explain},
+        std::tuple{"why",
+                   "Why a skill would not start now, and why it was refused last; or why something "
+                   "happened: what led to a snapshot",
+                   "SKILL, PROVIDER/SKILL, or the ID of a snapshot; of an entity its last one",
+                   &explain_why}}) {
     arguments = made();
-    command = add_one(*skill, name, help, arguments);
+    command = add_one(*skill, name, help, arguments, what);
     add_parameters(*command, *arguments);
     command->add_option("--db", arguments->store, "Of a store, in place of a server");
-    command->callback([arguments, &exit_code] { exit_code = done_or_failed(explain(*arguments)); });
+    command->callback([arguments, &exit_code, answer = answer] {
+      exit_code = done_or_failed(answer(*arguments));
+    });
   }
 
   arguments = made();

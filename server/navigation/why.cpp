@@ -66,11 +66,23 @@ std::string told_by(const idf::Data& value) {
   return {};
 }
 
+/// The last snapshot of an entity that names no time.
+Result<ltm::MemoryId> with_time(Memory& memory, const ltm::MemoryId& id) {
+  if (!id.has_entity() || id.time()) return id;
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
+                          memory.query(ltm::Query::of_entity(id, ltm::select::Latest{})));
+  const ltm::EntityResult* entity = found.find_entity(id);
+  if (entity == nullptr || entity->snapshots.empty())
+    return not_found("the memory has no '{}'", id.printable());
+  return id.at(entity->snapshots.back().time).instance(0);
+}
+
 }  // namespace
 
-Result<std::vector<WhyStep>> why(Memory& memory, const ltm::MemoryId& snapshot) {
+Result<std::vector<WhyStep>> why(Memory& memory, const ltm::MemoryId& id) {
   constexpr size_t kMaxSteps = 16;
   std::vector<WhyStep> steps;
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId snapshot, with_time(memory, id));
   std::optional<WhyLink> next = WhyLink{snapshot, {}};
   // The cause beside the request that was followed last: a request need not tell its own.
   std::optional<ltm::MemoryId> cause_beside;
