@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/client/sensory_lane.h"
 
-#include <bit>
+#include <algorithm>
 
 #include "ltm/core/log.h"
+#include "server/wire/polling_threads.h"
 #include "server/wire/wire_block.h"
 
 namespace engram::server {
@@ -48,17 +49,21 @@ std::optional<SensoryLane::Target> SensoryLane::find_known(const ltm::Commit& co
 
 std::optional<SensoryLane::Target> SensoryLane::find(const ltm::Commit& commit) {
   if (commit.updates.empty() || commit.updates.size() > kMaxRingEntities) return std::nullopt;
-  const MutexLock lock(mutex_);
   bool is_complete = false;
-  auto target = find_known(commit, is_complete);
-  if (is_complete || steady_now() < open_again_) return target;
-  // A commit that is not sent by a ring is told by its reply why it is refused.
-  if (const Status opened = open(commit); !opened.ok()) {
-    log::debug("no sensory ring: {}", opened.to_string());
-    open_again_ = steady_now() + kOpenAgainAfter;
-    return std::nullopt;
+  {
+    const MutexLock lock(mutex_);
+    auto target = find_known(commit, is_complete);
+    if (is_complete || is_opening_ || steady_now() < open_again_) return target;
+    is_opening_ = true;
   }
-  return find_known(commit, is_complete);
+  const Status opened = open(commit);
+  const MutexLock lock(mutex_);
+  is_opening_ = false;
+  if (opened.ok()) return find_known(commit, is_complete);
+  // A commit that is not sent by a ring is told by its reply why it is refused.
+  log::debug("no sensory ring: {}", opened.to_string());
+  open_again_ = steady_now() + kOpenAgainAfter;
+  return std::nullopt;
 }
 
 Status SensoryLane::open(const ltm::Commit& commit) {
@@ -70,6 +75,7 @@ Status SensoryLane::open(const ltm::Commit& commit) {
   if (!reply.has_ring() || told.places_size() != static_cast<int>(commit.updates.size()))
     return unavailable("the server gave no ring");
   ENGRAM_ASSIGN_OR_RETURN(const auto ring, map(told));
+  const MutexLock lock(mutex_);
   for (size_t i = 0; i < commit.updates.size(); ++i) {
     const uint32_t place = told.places(static_cast<int>(i));
     if (place >= kMaxRingEntities) return data_loss("the server gave a place of {}", place);
@@ -79,8 +85,11 @@ Status SensoryLane::open(const ltm::Commit& commit) {
 }
 
 Result<std::shared_ptr<SensoryLane::Ring>> SensoryLane::map(const v1::SensoryRing& told) {
-  for (const auto& [entity, place] : places_)
-    if (place.ring->id == told.id()) return place.ring;
+  {
+    const MutexLock lock(mutex_);
+    for (const auto& [entity, place] : places_)
+      if (place.ring->id == told.id()) return place.ring;
+  }
   SharingClient& memory = shared_->memory();
   ENGRAM_ASSIGN_OR_RETURN(auto entries, memory.keep_writable(to_block(told.entries())));
   // The server keeps it as long as this client lives, and is told nothing when it is released.
@@ -109,10 +118,14 @@ std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit
   v1::CommitRequest head;
   describe_in_block(commit, head);
   const size_t head_bytes = head.ByteSizeLong();
+  // The server reads no longer one from a ring, and takes it as any other commit.
+  if (head_bytes > kMaxHeadBytes) return std::nullopt;
   Written written;
   written.entry.set_ring(ring.id);
   bool is_closed = false;
   {
+    // Whoever writes may wait for the server to take what it needs.
+    const BlockingScope blocking;
     const MutexLock lock(ring.writing);
     const auto sync = [&]() ENGRAM_REQUIRES(ring.writing) {
       v1::CommitRequest request;
@@ -128,8 +141,8 @@ std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit
       return status;
     if (!head.SerializeToArray(room->head.data(), static_cast<int>(head_bytes)))
       return invalid_argument("the head of a commit could not be written");
-    const uint64_t sequence =
-        ring.writer.publish(target->entities, commit.updates.size(), steady_now());
+    const Time first = std::ranges::min_element(commit.updates, {}, &ltm::EntityUpdate::time)->time;
+    const uint64_t sequence = ring.writer.publish(target->entities, first, steady_now());
     written.entry.set_written(sequence + 1);
     written.is_attended = ring.writer.is_attended(target->entities);
     is_closed = ring.writer.is_closed();

@@ -35,7 +35,8 @@ class SensoryLane {
   };
 
   /// Writes a commit whose entities all are sensory. Nothing if it must go another way: it has too
-  /// many entities, or one of them twice, or several segments, or there is no room for a ring.
+  /// many entities, or one of them twice, or several segments, or too much besides its data, or
+  /// there is no room for a ring, or another thread just opens one.
   /// Errors: kInvalidArgument if a value nests too deep.
   std::optional<Result<Written>> write(const ltm::Commit& commit);
 
@@ -54,8 +55,8 @@ class SensoryLane {
   std::optional<Target> find(const ltm::Commit& commit) ENGRAM_EXCLUDES(mutex_);
   [[nodiscard]] std::optional<Target> find_known(const ltm::Commit& commit, bool& is_complete)
       ENGRAM_REQUIRES(mutex_);
-  Status open(const ltm::Commit& commit) ENGRAM_REQUIRES(mutex_);
-  Result<std::shared_ptr<Ring>> map(const v1::SensoryRing& told) ENGRAM_REQUIRES(mutex_);
+  Status open(const ltm::Commit& commit) ENGRAM_EXCLUDES(mutex_);
+  Result<std::shared_ptr<Ring>> map(const v1::SensoryRing& told) ENGRAM_EXCLUDES(mutex_);
   void forget(const std::shared_ptr<Ring>& ring) ENGRAM_EXCLUDES(mutex_);
 
   const std::shared_ptr<SharedLane> shared_;
@@ -64,6 +65,9 @@ class SensoryLane {
   std::unordered_map<ltm::MemoryId, Place> places_ ENGRAM_GUARDED_BY(mutex_);
   /// The server said that there is no ring: it is not asked again before.
   SteadyTime open_again_ ENGRAM_GUARDED_BY(mutex_){};
+  /// A thread asks the server for a ring. Others send their commits meanwhile: a wait for it might
+  /// keep from work the threads that it needs.
+  bool is_opening_ ENGRAM_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace engram::server

@@ -46,7 +46,8 @@ SensoryRingReader::Range SensoryRingReader::entries() const {
 std::optional<SensoryEntry> SensoryRingReader::find(uint64_t sequence) const {
   const size_t slot = layout_.slot_of(sequence);
   const auto said = [&](size_t number) { return word(slot + number * sizeof(uint64_t)); };
-  SensoryEntry entry{said(0), said(1), static_cast<int64_t>(said(2)), said(3), said(4), said(5)};
+  SensoryEntry entry{said(0), said(1), static_cast<int64_t>(said(2)), said(3),
+                     said(4), said(5), static_cast<int64_t>(said(6))};
   const Range readable = entries();
   if (sequence < readable.first || sequence >= readable.end || entry.sequence != sequence)
     return std::nullopt;

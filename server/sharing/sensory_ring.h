@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +12,15 @@
 
 namespace engram::server {
 
+/// The min size of a ring's memory. Unit: bytes.
+inline constexpr size_t kMinSensoryRing = size_t{64} << 10;
+
+/// The max number of entities of one ring: each has a bit.
+inline constexpr size_t kMaxRingEntities = 64;
+
+/// The max size of what an entry says besides its data: the server reads no more. Unit: bytes.
+inline constexpr size_t kMaxHeadBytes = size_t{1} << 20;
+
 /// What the server tells the provider that writes a ring: shared memory that the server writes.
 ///
 /// The order of changes matters, see docs/sensory.md, "How opening is exact".
@@ -18,14 +28,11 @@ struct SensoryControl {
   std::atomic<uint64_t> attended{0};   ///< A bit for each entity to which somebody attends.
   std::atomic<uint64_t> taken{0};      ///< Entries before it may be overwritten whoever attends.
   std::atomic<uint64_t> is_closed{0};  ///< Not zero: nobody reads this ring any more.
+  /// Of each entity the first entry that did not pass. It tells the provider what it loses.
+  std::array<std::atomic<uint64_t>, kMaxRingEntities> passed_until{};
 };
-static_assert(std::atomic<uint64_t>::is_always_lock_free && sizeof(SensoryControl) == 24);
-
-/// The min size of a ring's memory. Unit: bytes.
-inline constexpr size_t kMinSensoryRing = size_t{64} << 10;
-
-/// The max number of entities of one ring: each has a bit.
-inline constexpr size_t kMaxRingEntities = 64;
+static_assert(std::atomic<uint64_t>::is_always_lock_free &&
+              sizeof(SensoryControl) == (3 + kMaxRingEntities) * sizeof(uint64_t));
 
 /// What a ring says of one entry. Its data come first, at a whole cache line, then its head.
 struct SensoryEntry {
@@ -35,6 +42,7 @@ struct SensoryEntry {
   uint64_t offset = 0;    ///< In the ring's memory. Unit: bytes.
   uint64_t head_bytes = 0;
   uint64_t data_bytes = 0;
+  int64_t first_time_ns = 0;  ///< The earliest time of its snapshots.
 };
 
 /// How a ring's memory is divided: counts, then a slot for each entry, then the entries' bytes. It
@@ -48,7 +56,7 @@ class SensoryLayout {
     uint64_t valid_from;   ///< The first entry that is not overwritten.
     uint64_t written;      ///< The number of entries so far: those below it can be read.
     uint64_t snapshots;    ///< In all entries so far.
-    uint64_t crowded_out;  ///< Snapshots that were overwritten before their time.
+    uint64_t crowded_out;  ///< Snapshots that were lost before their time, and did not pass.
   };
   static constexpr size_t kSlotWords = 8;
   static constexpr size_t kSlotBytes = kSlotWords * sizeof(uint64_t);

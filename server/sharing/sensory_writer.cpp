@@ -2,8 +2,10 @@
 #include "server/sharing/sensory_writer.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "ltm/core/check.h"
+#include "server/sharing/ring_places.h"
 
 namespace engram::server {
 
@@ -59,18 +61,27 @@ void SensoryRingWriter::free_oldest() {
   live_.pop_front();
 }
 
-/// Says which entries are overwritten from now on. This comes before the first byte is overwritten,
-/// and before a look at who attends: whoever opens attention looks in the other order, so that one
-/// of both sees the other.
+/// Says which entries are overwritten from now on, before the first byte is. The server reads
+/// nothing that was said to be overwritten, so it is asked first. Whoever opens attention after the
+/// look at `attended` comes too late for these entries.
 void SensoryRingWriter::announce(const Sync& sync) {
   const uint64_t valid_from = written_ - live_.size();
   if (valid_from == announced_) return;
-  announced_ = valid_from;
-  set(offsetof(SensoryLayout::Counts, valid_from), valid_from, __ATOMIC_RELEASE);
-  std::atomic_thread_fence(std::memory_order_seq_cst);
   if (control_.attended.load(std::memory_order_seq_cst) != 0 &&
       control_.taken.load(std::memory_order_seq_cst) < valid_from)
     sync();
+  announced_ = valid_from;
+  set(offsetof(SensoryLayout::Counts, valid_from), valid_from, __ATOMIC_RELEASE);
+  // Ahead of the bytes, which may be written past the processor's caches.
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+}
+
+uint64_t SensoryRingWriter::lost_of(const Live& entry) const {
+  uint64_t lost = 0;
+  for_each_place(entry.entities, [&](size_t place) {
+    if (control_.passed_until[place].load(std::memory_order_acquire) <= entry.sequence) ++lost;
+  });
+  return lost;
 }
 
 Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, size_t data_bytes,
@@ -82,37 +93,42 @@ Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, si
   const size_t bytes = to_whole_lines(head_bytes + data_bytes);
   while (!live_.empty() && now - live_.front().came > hold_) free_oldest();
   std::optional<size_t> offset;
+  std::vector<Live> crowded;
   while (live_.size() >= layout_.slots() || !(offset = find_room(bytes))) {
-    crowded_out_ += live_.front().snapshots;
+    crowded.push_back(live_.front());
     free_oldest();
   }
-  set(offsetof(SensoryLayout::Counts, crowded_out), crowded_out_, __ATOMIC_RELAXED);
   announce(sync);
-  reserved_ = {written_, 0, 0, *offset, head_bytes, data_bytes};
+  for (const Live& entry : crowded) crowded_out_ += lost_of(entry);
+  set(offsetof(SensoryLayout::Counts, crowded_out), crowded_out_, __ATOMIC_RELAXED);
+  reserved_ = {written_, 0, 0, *offset, head_bytes, data_bytes, 0};
   const std::span<std::byte> room = memory_.subspan(*offset, head_bytes + data_bytes);
   return Room{room.first(data_bytes), room.subspan(data_bytes)};
 }
 
-uint64_t SensoryRingWriter::publish(uint64_t entities, uint64_t snapshots, SteadyTime now) {
+uint64_t SensoryRingWriter::publish(uint64_t entities, Time first, SteadyTime now) {
   const size_t slot = layout_.slot_of(written_);
   const uint64_t said[] = {written_,
                            entities,
                            static_cast<uint64_t>(now.time_since_epoch().count()),
                            reserved_.offset,
                            reserved_.head_bytes,
-                           reserved_.data_bytes};
+                           reserved_.data_bytes,
+                           static_cast<uint64_t>(to_ns(first))};
   for (size_t i = 0; i < std::size(said); ++i)
     set(slot + i * sizeof(uint64_t), said[i], __ATOMIC_RELAXED);
   const size_t end = reserved_.offset + to_whole_lines(reserved_.head_bytes + reserved_.data_bytes);
-  live_.push_back({reserved_.offset, end - reserved_.offset, snapshots, now});
+  live_.push_back({written_, entities, reserved_.offset, end - reserved_.offset, now});
   places_.emplace(reserved_.offset, end);
   used_ += end - reserved_.offset;
   next_ = end;
   high_water_ = std::max(high_water_, end);
-  snapshots_ += snapshots;
-  set(offsetof(SensoryLayout::Counts, snapshots), snapshots_, __ATOMIC_RELAXED);
+  snapshots_ += static_cast<uint64_t>(std::popcount(entities));
   set(offsetof(SensoryLayout::Counts, written), written_ + 1, __ATOMIC_RELEASE);
-  // Before the look at who attends, for the same reason as in announce().
+  // Behind the entry, so that whoever counts knows of it what it counts.
+  set(offsetof(SensoryLayout::Counts, snapshots), snapshots_, __ATOMIC_RELEASE);
+  // Before the look at who attends: whoever opens attention looks in the other order, so that one
+  // of both sees the other.
   std::atomic_thread_fence(std::memory_order_seq_cst);
   return written_++;
 }

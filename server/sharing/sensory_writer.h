@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <vector>
 
 #include "ltm/core/time.h"
 #include "server/sharing/sensory_ring.h"
@@ -33,13 +34,14 @@ class SensoryRingWriter {
   /// it does not answer.
   using Sync = std::function<void()>;
 
-  /// Makes room for an entry. Entries whose time is over make room, then the oldest ones, which is
-  /// counted; before the server has lost any that passes, it is asked.
+  /// Makes room for an entry. Entries whose time is over make room, then the oldest ones. The
+  /// server is asked while it can still read them; what it did not take is counted.
   /// Errors: kResourceExhausted if the ring is smaller.
   Result<Room> reserve(size_t head_bytes, size_t data_bytes, SteadyTime now, const Sync& sync);
 
-  /// Shows the entry that reserve() made room for, of `snapshots` snapshots. Returns its number.
-  uint64_t publish(uint64_t entities, uint64_t snapshots, SteadyTime now);
+  /// Shows the entry that reserve() made room for, with a snapshot of each of `entities`, of
+  /// which the earliest is of the time `first`. Returns its number.
+  uint64_t publish(uint64_t entities, Time first, SteadyTime now);
 
   /// Whether anybody attends to one of these entities. After publish(), an entry passes for sure:
   /// either this says so and the server is to be told, or the server sees it by itself.
@@ -51,9 +53,10 @@ class SensoryRingWriter {
 
  private:
   struct Live {
+    uint64_t sequence = 0;
+    uint64_t entities = 0;  ///< It has a snapshot of each.
     size_t offset = 0;
     size_t bytes = 0;
-    uint64_t snapshots = 0;
     SteadyTime came;
   };
 
@@ -62,6 +65,8 @@ class SensoryRingWriter {
   /// Forgets the oldest entry; its bytes are free.
   void free_oldest();
   void announce(const Sync& sync);
+  /// The snapshots of an entry that did not pass. Its entities passed up to some entry each.
+  [[nodiscard]] uint64_t lost_of(const Live& entry) const;
 
   std::span<std::byte> memory_;
   const SensoryControl& control_;

@@ -45,7 +45,7 @@ class SensoryRingTest : public ::testing::Test {
     EXPECT_OK(room);
     std::ranges::fill(room->data, std::byte(value));
     std::ranges::fill(room->head, std::byte(value));
-    return writer_.publish(entities, 1, now);
+    return writer_.publish(entities, time_from_ns(value), now);
   }
 
   /// The value that all bytes of an entry have; nothing if it is gone.
@@ -95,6 +95,27 @@ TEST_F(SensoryRingTest, CountsWhatIsCrowdedOut) {
   for (int i = 0; i < 8; ++i) write(15'000, i, now);
   EXPECT_THAT(readable(), ElementsAre(4, 5, 6, 7)) << "60 KiB are for data";
   EXPECT_EQ(reader_.crowded_out(), 4u);
+}
+
+TEST_F(SensoryRingTest, WhatPassedIsNotCrowdedOut) {
+  const SteadyTime now = steady_now();
+  for (int i = 0; i < 4; ++i) write(15'000, i, now, 0b101);
+  control_.passed_until[0] = 2;
+  write(15'000, 4, now);
+  EXPECT_EQ(reader_.crowded_out(), 1u) << "the second entity of the first entry";
+  control_.attended = 0b101;
+  // The server takes all of it when it is asked.
+  ASSERT_OK(writer_.reserve(16, 40'000, now, [this] {
+    control_.passed_until[0] = 5;
+    control_.passed_until[2] = 5;
+  }));
+  EXPECT_EQ(reader_.crowded_out(), 1u);
+}
+
+TEST_F(SensoryRingTest, SaysTheEarliestTimeOfAnEntry) {
+  const auto entry = reader_.find(write(10, 7, steady_now()));
+  ASSERT_TRUE(entry.has_value());
+  EXPECT_EQ(entry->first_time_ns, 7);
 }
 
 TEST_F(SensoryRingTest, RefusesAnEntryThatNeverFits) {
@@ -157,6 +178,17 @@ TEST_F(SensoryRingTest, AsksTheServerBeforeWhatItNeedsIsOverwritten) {
   EXPECT_FALSE(writer_.is_closed());
   control_.is_closed = 1;
   EXPECT_TRUE(writer_.is_closed());
+}
+
+TEST_F(SensoryRingTest, WhatTheServerIsAskedToTakeIsStillThere) {
+  const SteadyTime now = steady_now();
+  write(1000, 1, now);
+  write(1000, 2, now);
+  control_.attended = 1;
+  std::vector<int> seen;
+  ASSERT_OK(writer_.reserve(16, 1000, now + 1s, [&] { seen = readable(); }));
+  EXPECT_THAT(seen, ElementsAre(1, 2));
+  EXPECT_THAT(readable(), IsEmpty()) << "they are overwritten from now on";
 }
 
 TEST_F(SensoryRingTest, ACopyOfWhatIsOverwrittenMeanwhileIsOfNoUse) {
