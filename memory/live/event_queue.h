@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <utility>
 
 namespace engram::memory {
@@ -24,10 +26,22 @@ class EventQueue {
   void push(Event event, size_t bytes) {
     waiting_.push_back({std::move(event), bytes});
     bytes_ += bytes;
-    while (waiting_.size() > 1 && (waiting_.size() > bounds_.events || bytes_ > bounds_.bytes)) {
-      pop();
+    const Bounds bounds = bounds_now();
+    while (waiting_.size() > 1 && (waiting_.size() > bounds.events || bytes_ > bounds.bytes)) {
+      drop_oldest();
       ++lost_;
     }
+  }
+
+  /// Bounds it by `wide` until settle(), where these are larger: what comes at once when a
+  /// subscription begins is not what its bounds are for.
+  void widen(const Bounds& wide) { wide_ = wide; }
+
+  /// Ends widen(). What waits stays, and the usual bounds are for what comes beyond it.
+  void settle() {
+    if (!wide_) return;
+    wide_.reset();
+    beyond_ = {waiting_.size(), bytes_};
   }
 
   /// Removes the events of which `is_gone` is true. They do not count as dropped.
@@ -52,8 +66,11 @@ class EventQueue {
   /// Removes and returns the oldest event. Needs one.
   Event pop() {
     Event event = std::move(waiting_.front().event);
-    bytes_ -= waiting_.front().bytes;
-    waiting_.pop_front();
+    if (beyond_.events > 0) {
+      --beyond_.events;
+      beyond_.bytes -= std::min(beyond_.bytes, waiting_.front().bytes);
+    }
+    drop_oldest();
     return event;
   }
 
@@ -63,7 +80,20 @@ class EventQueue {
     size_t bytes = 0;
   };
 
+  [[nodiscard]] Bounds bounds_now() const {
+    if (wide_)
+      return {std::max(bounds_.events, wide_->events), std::max(bounds_.bytes, wide_->bytes)};
+    return {bounds_.events + beyond_.events, bounds_.bytes + beyond_.bytes};
+  }
+
+  void drop_oldest() {
+    bytes_ -= waiting_.front().bytes;
+    waiting_.pop_front();
+  }
+
   Bounds bounds_;
+  std::optional<Bounds> wide_;
+  Bounds beyond_{.events = 0, .bytes = 0};  ///< What waited when it settled, and still does.
   std::deque<Waiting> waiting_;
   size_t bytes_ = 0;
   uint64_t lost_ = 0;

@@ -26,6 +26,16 @@ class QueueingListener final : public EventListener {
     wake_.notify_one();
   }
 
+  /// Loses nothing until settle().
+  void widen() {
+    const MutexLock lock(mutex_);
+    queue_.widen({.events = SIZE_MAX, .bytes = SIZE_MAX});
+  }
+  void settle() {
+    const MutexLock lock(mutex_);
+    queue_.settle();
+  }
+
   void forget(const IsForgotten& is_forgotten) override {
     const MutexLock lock(mutex_);
     queue_.erase_if([&](const ltm::SharedSnapshot& snapshot) { return is_forgotten(*snapshot); });
@@ -101,11 +111,16 @@ class LocalSubscription final : public Subscription {
 
 Result<std::unique_ptr<Subscription>> subscribe_locally(std::shared_ptr<EventHub> hub,
                                                         const SubscriptionOptions& options,
-                                                        SubscriptionHandlers handlers) {
+                                                        SubscriptionHandlers handlers,
+                                                        const std::function<void()>& begin) {
   ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, subscribed_names(options.names));
   auto listener = std::make_shared<QueueingListener>(options, std::move(handlers));
-  return std::unique_ptr<Subscription>(
-      std::make_unique<LocalSubscription>(std::move(hub), std::move(listener), std::move(names)));
+  if (begin) listener->widen();
+  std::unique_ptr<Subscription> subscription =
+      std::make_unique<LocalSubscription>(std::move(hub), listener, std::move(names));
+  if (begin) begin();
+  listener->settle();
+  return subscription;
 }
 
 }  // namespace engram::memory

@@ -59,11 +59,15 @@ class InProcessMemory final : public Memory {
   Result<std::unique_ptr<Subscription>> subscribe(const SubscriptionOptions& options,
                                                   SubscriptionHandlers handlers) override {
     ENGRAM_ASSIGN_OR_RETURN(ltm::Query names, subscribed_names(options.names));
-    ENGRAM_ASSIGN_OR_RETURN(auto told,
-                            memory::subscribe_locally(hub_, options, std::move(handlers)));
     // What sensory memory holds passes now, and is the first that is told.
-    memory::Attention attention = context_.service.attend(
-        [names = std::move(names)](const ltm::MemoryId& entity) { return names.matches(entity); });
+    memory::Attention attention;
+    const auto attend = [&] {
+      attention = context_.service.attend([names = std::move(names)](const ltm::MemoryId& entity) {
+        return names.matches(entity);
+      });
+    };
+    ENGRAM_ASSIGN_OR_RETURN(auto told,
+                            memory::subscribe_locally(hub_, options, std::move(handlers), attend));
     return std::unique_ptr<Subscription>(
         std::make_unique<AttendingSubscription>(std::move(told), std::move(attention)));
   }

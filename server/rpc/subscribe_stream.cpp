@@ -44,6 +44,8 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
     const MutexLock lock(mutex_);
     if (is_finished_) return {};
     queue_.emplace(bounds);
+    // What is held passes at once, before any of it can be sent.
+    queue_->widen({kMaxQueuedEvents, kMaxQueuedBytes});
     is_writing_ = true;
     written_ = to_bytes(started);
   }
@@ -56,6 +58,7 @@ Status SubscribeStream::start(const v1::SubscribeRequest& request) {
   const MutexLock lock(mutex_);
   if (is_finished_) return {};
   attention_ = std::move(attention);
+  queue_->settle();
   StartWrite(&written_);
   return {};
 }

@@ -74,6 +74,33 @@ TEST(EventQueue, CountsEachEventOnce) {
   }
 }
 
+TEST(EventQueue, KeepsWhatComesWhileItIsWide) {
+  Queue queue({.events = 2, .bytes = 30});
+  queue.widen({.events = 6, .bytes = 1000});
+  for (int i = 0; i < 5; ++i) queue.push(i, 10);
+  queue.settle();
+  EXPECT_EQ(queue.lost(), 0u);
+  // Its usual bounds are for what comes beyond these.
+  queue.push(5, 10);
+  queue.push(6, 10);
+  EXPECT_EQ(queue.lost(), 0u);
+  queue.push(7, 10);
+  EXPECT_EQ(queue.lost(), 1u);
+  for (int i = 1; i <= 5; ++i) EXPECT_EQ(queue.pop(), i);
+  EXPECT_EQ(queue.size(), 2u);
+  for (int i = 8; i < 12; ++i) queue.push(i, 10);
+  EXPECT_EQ(queue.size(), 2u) << "they are the usual ones again";
+  EXPECT_EQ(queue.pop(), 10);
+  EXPECT_EQ(queue.pop(), 11);
+}
+
+TEST(EventQueue, IsBoundedWhileItIsWide) {
+  Queue queue({.events = 2, .bytes = 30});
+  queue.widen({.events = 3, .bytes = 0});
+  for (int i = 0; i < 5; ++i) queue.push(i, 10);
+  EXPECT_EQ(queue.lost(), 2u);
+}
+
 TEST(EventQueue, ForgetsWithoutCountingItAsLost) {
   EventQueue<int> queue({.events = 10, .bytes = 100});
   for (int i = 0; i < 5; ++i) queue.push(i, 10);
