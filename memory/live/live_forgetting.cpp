@@ -109,7 +109,7 @@ class LiveForgetting {
     tell("look up " + text);
     uint64_t found = 0;
     for (size_t i = 0; i < target.meanings.size() && found == 0; ++i) {
-      if (parts_.attend) parts_.attend(target.meanings[i], request_.view.get());
+      if (parts_.pass) parts_.pass(target.meanings[i], request_.view.get());
       ENGRAM_ASSIGN_OR_RETURN(found, add_answer(target.meanings[i]));
       ENGRAM_ASSIGN_OR_RETURN(const uint64_t held, add_filtered(target.meanings[i]));
       found += held;

@@ -69,7 +69,7 @@ struct ForgettingParts {
   std::function<Status(const std::function<Status(ltm::Recall&)>&)> ask;
   /// Has what precedes working memory pass into it, as far as a query selects it and the view sees
   /// it: what is held there is found and forgotten as if it had been committed.
-  std::function<void(const ltm::Query&, const ltm::View*)> attend;
+  std::function<void(const ltm::Query&, const ltm::View*)> pass;
   /// Told what waited to be stored and never will be.
   std::function<void(std::span<const ltm::SharedSnapshot>)> unstored;
 };

@@ -123,7 +123,10 @@ ForgettingParts MemoryService::State::forgetting_parts() {
             const MutexLock lock(recalling);
             return with(*recall);
           },
-      .attend = [this](const ltm::Query& query, const ltm::View* view) { attend(query, view); },
+      .pass =
+          [this](const ltm::Query& query, const ltm::View* view) {
+            if (sensory) sensory->pass_chosen(query, view);
+          },
       .unstored = [this](std::span<const ltm::SharedSnapshot> waited) { tell_unstored(waited); }};
 }
 

@@ -24,7 +24,7 @@ bool PlainRing::hold(const SharedSensoryEntity& entity, ltm::EntityUpdate& updat
   const MutexLock lock(mutex_);
   ++counts_.committed;
   if (entity->is_attended()) {
-    pass_attended();
+    pass_attended(now);
     ++counts_.passed;
     return false;
   }
@@ -44,25 +44,48 @@ bool PlainRing::hold(const SharedSensoryEntity& entity, ltm::EntityUpdate& updat
 }
 
 void PlainRing::pass() {
+  // What is held now passes, however long another thread passes what it does.
+  const SteadyTime now = steady_now();
   const MutexLock lock(mutex_);
-  pass_attended();
+  pass_attended(now);
 }
 
-void PlainRing::pass_attended() {
-  const SteadyTime now = steady_now();
+void PlainRing::pass_attended(SteadyTime now) {
   std::erase_if(held_, [&](HeldUpdate& one) ENGRAM_REQUIRES(mutex_) {
     if (!one.entity->is_attended() || now - one.came > one.entity->hold) return false;
-    const std::string id = one.update.id().to_string();
-    std::vector<std::vector<Buffer>> encoded;
-    if (!one.encoded.empty()) encoded.push_back(std::move(one.encoded));
-    ltm::Commit commit;
-    commit.updates.push_back(std::move(one.update));
-    const Status passed = pass_(std::move(commit), std::move(encoded));
-    if (!passed.ok()) log::debug("sensory memory: '{}': {}", id, passed.message());
-    ++(passed.ok() ? counts_.passed : counts_.refused);
-    bytes_ -= one.bytes;
+    pass_one(one);
     return true;
   });
+}
+
+void PlainRing::pass_chosen(const IsChosen& is_chosen) {
+  const SteadyTime now = steady_now();
+  const MutexLock lock(mutex_);
+  std::erase_if(held_, [&](HeldUpdate& one) ENGRAM_REQUIRES(mutex_) {
+    if (now - one.came > one.entity->hold || !is_chosen(one.entity->id, one.update.time))
+      return false;
+    pass_one(one);
+    return true;
+  });
+}
+
+void PlainRing::pass_one(HeldUpdate& one) {
+  const std::string id = one.update.id().to_string();
+  std::vector<std::vector<Buffer>> encoded;
+  if (!one.encoded.empty()) encoded.push_back(std::move(one.encoded));
+  ltm::Commit commit;
+  commit.updates.push_back(std::move(one.update));
+  const Status passed = pass_(std::move(commit), std::move(encoded));
+  if (!passed.ok()) log::debug("sensory memory: '{}': {}", id, passed.message());
+  ++(passed.ok() ? counts_.passed : counts_.refused);
+  bytes_ -= one.bytes;
+}
+
+void PlainRing::note_earliest(EarliestTimes& times) const {
+  const SteadyTime now = steady_now();
+  const MutexLock lock(mutex_);
+  for (const HeldUpdate& one : held_)
+    if (now - one.came <= one.entity->hold) times.note(one.entity->id, one.update.time);
 }
 
 void PlainRing::drop_oldest(Held& gone) {

@@ -25,9 +25,9 @@ class PlainRing final : public SensorySource {
   /// What a snapshot takes here.
   static size_t bytes_of(const ltm::EntityUpdate& update, const std::vector<Buffer>& encoded);
 
-  [[nodiscard]] size_t max_bytes() const { return max_bytes_; }
-
   void pass() override;
+  void pass_chosen(const IsChosen& is_chosen) override;
+  void note_earliest(EarliestTimes& times) const override;
   bool sweep(SteadyTime now) override;
   [[nodiscard]] SensoryCounts counts() const override;
 
@@ -41,7 +41,8 @@ class PlainRing final : public SensorySource {
   };
   using Held = std::deque<HeldUpdate>;
 
-  void pass_attended() ENGRAM_REQUIRES(mutex_);
+  void pass_attended(SteadyTime now) ENGRAM_REQUIRES(mutex_);
+  void pass_one(HeldUpdate& one) ENGRAM_REQUIRES(mutex_);
   /// Moves the oldest to `gone`, which is freed without the lock.
   void drop_oldest(Held& gone) ENGRAM_REQUIRES(mutex_);
   void drop_old(SteadyTime now, Held& gone) ENGRAM_REQUIRES(mutex_);

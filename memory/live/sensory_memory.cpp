@@ -11,17 +11,28 @@ using ltm::MemoryId;
 
 namespace {
 
-/// Whether a selector may select what came within the time `recent` or comes next. Those that count
+/// Whether a selector may select a snapshot of the time `recent` or a later one. Those that count
 /// from the end, or are open to it, do.
 class Reach {
  public:
   explicit Reach(Time recent) : recent_(recent) {}
 
+  static bool any(std::span<const ltm::SnapshotQuery> asked, Time recent) {
+    return std::ranges::any_of(asked, [recent](const ltm::SnapshotQuery& one) {
+      return std::visit(Reach(recent), one.selector);
+    });
+  }
+
   bool operator()(const ltm::select::TimeRange& range) const { return range.last >= recent_; }
   bool operator()(const ltm::select::At& at) const { return at.time >= recent_; }
   bool operator()(const ltm::select::Before& before) const { return before.time >= recent_; }
   bool operator()(const ltm::select::Nearest& nearest) const {
-    return nearest.time >= recent_ || nearest.tolerance >= recent_ - nearest.time;
+    if (nearest.time >= recent_) return true;
+    // Times may lie further apart than a Duration can tell.
+    const uint64_t apart =
+        static_cast<uint64_t>(to_ns(recent_)) - static_cast<uint64_t>(to_ns(nearest.time));
+    return nearest.tolerance.count() >= 0 &&
+           static_cast<uint64_t>(nearest.tolerance.count()) >= apart;
   }
   template <typename Other>
   bool operator()(const Other& /*other*/) const {
@@ -31,6 +42,12 @@ class Reach {
  private:
   Time recent_;
 };
+
+/// Whether a selector may select a snapshot of this time; those that look at others may.
+bool may_select(const ltm::SnapshotQuery& asked, Time time) {
+  const auto* range = std::get_if<ltm::select::TimeRange>(&asked.selector);
+  return range == nullptr || (range->first <= time && time <= range->last);
+}
 
 }  // namespace
 
@@ -105,6 +122,9 @@ Result<SharedSensoryEntity> SensoryMemory::entity(const MemoryId& id) {
   ENGRAM_CHECK(segment != nullptr, "'{}' is not sensory", id.to_string());
   const MutexLock lock(mutex_);
   if (const auto known = entities_.find(id); known != entities_.end()) return known->second;
+  // Those of providers that are gone make room.
+  if (entities_.size() >= max_entities_)
+    std::erase_if(entities_, [](const auto& one) { return one.second.use_count() == 1; });
   if (entities_.size() >= max_entities_)
     return resource_exhausted("sensory memory: entity '{}': knows {} already, needs fewer",
                               id.to_string(), entities_.size());
@@ -164,28 +184,89 @@ void SensoryMemory::end(uint64_t number) {
   if (is_changed) tell_sources();
 }
 
+EarliestTimes SensoryMemory::earliest_held() const {
+  Sources sources;
+  {
+    const MutexLock lock(mutex_);
+    sources = sources_;
+  }
+  EarliestTimes times;
+  for (const auto& source : sources) source->note_earliest(times);
+  return times;
+}
+
+std::vector<SharedSensoryEntity> SensoryMemory::asked_for(const ltm::Query& query,
+                                                          const ltm::View* view) const {
+  const Time now = clock_();
+  std::vector<SharedSensoryEntity> found;
+  std::vector<std::pair<SharedSensoryEntity, std::vector<ltm::SnapshotQuery>>> of_the_past;
+  {
+    const MutexLock lock(mutex_);
+    for (const auto& [id, entity] : entities_) {
+      auto asked = query.snapshots_of(id);
+      if (!Reach::any(asked, now - kRecent)) continue;
+      // Who may not see it must not notice it by the time an answer takes, or cost RAM.
+      const ltm::Sight sight = ltm::sight_of(view, id);
+      if (sight.times.empty() || sight.times.windows().back().last < now - kRecent) continue;
+      if (Reach::any(asked, now))
+        found.push_back(entity);
+      else
+        of_the_past.emplace_back(entity, std::move(asked));
+    }
+  }
+  if (of_the_past.empty()) return found;
+  // Without the lock, because a source may be passing.
+  const EarliestTimes held = earliest_held();
+  for (auto& [entity, asked] : of_the_past)
+    if (const auto earliest = held.of(entity->id); earliest && Reach::any(asked, *earliest))
+      found.push_back(std::move(entity));
+  return found;
+}
+
 void SensoryMemory::attend(const ltm::Query& query, const ltm::View* view) {
+  const std::vector<SharedSensoryEntity> wanted = asked_for(query, view);
+  if (wanted.empty()) return;
   Sources sources;
   {
     const SteadyTime now = steady_now();
-    const Time recent = clock_() - kRecent;
     const MutexLock lock(mutex_);
     bool is_changed = false;
-    for (const auto& [id, entity] : entities_) {
-      const auto asked = query.snapshots_of(id);
-      if (std::ranges::none_of(asked, [recent](const ltm::SnapshotQuery& one) {
-            return std::visit(Reach(recent), one.selector);
-          }))
-        continue;
-      // Who may not see it must not notice it by the time an answer takes, or cost RAM.
-      if (ltm::sight_of(view, id).times.empty()) continue;
+    for (const auto& entity : wanted) {
       entity->attended_until_ = now + options_.query_attention.value_or(entity->hold);
       is_changed = settle(*entity, now) || is_changed;
-      if (sources.empty()) sources = sources_;
     }
     if (is_changed) tell_sources();
+    sources = sources_;
   }
   for (const auto& source : sources) source->pass();
+}
+
+void SensoryMemory::pass_chosen(const ltm::Query& query, const ltm::View* view) {
+  const auto is_chosen = [&](const MemoryId& entity, Time time) {
+    if (!ltm::sight_of(view, entity).times.contains(time)) return false;
+    const auto asked = query.snapshots_of(entity);
+    return std::ranges::any_of(
+        asked, [time](const ltm::SnapshotQuery& one) { return may_select(one, time); });
+  };
+  Sources sources;
+  {
+    const MutexLock lock(mutex_);
+    if (std::ranges::none_of(entities_, [&](const auto& one) {
+          return query.matches(one.first) && !ltm::sight_of(view, one.first).times.empty();
+        }))
+      return;
+    sources = sources_;
+  }
+  for (const auto& source : sources) source->pass_chosen(is_chosen);
+}
+
+bool SensoryMemory::selects(const ltm::Query& query, const ltm::View* view) const {
+  const Time recent = clock_() - kRecent;
+  const MutexLock lock(mutex_);
+  return std::ranges::any_of(entities_, [&](const auto& one) {
+    return Reach::any(query.snapshots_of(one.first), recent) &&
+           !ltm::sight_of(view, one.first).times.empty();
+  });
 }
 
 Status SensoryMemory::hold(ltm::Commit& commit, std::vector<std::vector<Buffer>>& encoded) {

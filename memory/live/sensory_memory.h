@@ -91,9 +91,16 @@ class SensoryMemory : public std::enable_shared_from_this<SensoryMemory> {
   /// held of them has passed when this returns.
   [[nodiscard]] Attention attend(Wanted is_wanted);
 
-  /// Attends for a short time to the entities that a query selects and `view` sees (null: all). It
-  /// returns as attend() does.
+  /// Attends for a short time to the entities that a query selects and `view` sees (null: all),
+  /// unless all that it asks for lies before what is held. It returns as attend() does.
   void attend(const ltm::Query& query, const ltm::View* view);
+
+  /// Passes what is held, a query may select and `view` sees. Nobody attends to what comes later,
+  /// and all else stays where it is.
+  void pass_chosen(const ltm::Query& query, const ltm::View* view);
+
+  /// Whether attend() may have something pass, which takes long.
+  [[nodiscard]] bool selects(const ltm::Query& query, const ltm::View* view) const;
 
   /// Takes the updates of sensory entities to which nobody attends out of a commit, and holds them.
   /// `encoded` is as of WorkingMemory::admit().
@@ -125,10 +132,13 @@ class SensoryMemory : public std::enable_shared_from_this<SensoryMemory> {
 
   SensoryMemory(const Options& options, size_t max_entities, PassCommit pass, Clock clock);
   void end(uint64_t number) ENGRAM_EXCLUDES(mutex_);
-  /// Adds `more` attentions to an entity. Returns whether it is attended to anew, or not any more.
-  static bool change(SensoryEntity& entity, int more);
+  /// Returns whether it is attended to anew, or not any more.
   static bool settle(SensoryEntity& entity, SteadyTime now);
   void tell_sources() ENGRAM_REQUIRES(mutex_);
+  [[nodiscard]] EarliestTimes earliest_held() const;
+  /// The entities to which a query attends.
+  [[nodiscard]] std::vector<SharedSensoryEntity> asked_for(const ltm::Query& query,
+                                                           const ltm::View* view) const;
   static SensoryCounts add_up(const SensoryCounts& first, const SensoryCounts& second);
   /// Counts what a source did that is gone.
   void keep_counts(const SensorySource& gone) ENGRAM_REQUIRES(mutex_);

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "ltm/core/buffer.h"
@@ -63,6 +66,27 @@ struct SensoryCounts {
 using PassCommit =
     std::function<Status(ltm::Commit commit, std::vector<std::vector<Buffer>> encoded)>;
 
+/// Which snapshots are to pass.
+using IsChosen = std::function<bool(const ltm::MemoryId& entity, Time time)>;
+
+/// The earliest time of what is held of each entity.
+class EarliestTimes {
+ public:
+  void note(const ltm::MemoryId& entity, Time time) {
+    Time& known = times_.try_emplace(entity, time).first->second;
+    known = std::min(known, time);
+  }
+
+  /// Nothing if nothing is held.
+  [[nodiscard]] std::optional<Time> of(const ltm::MemoryId& entity) const {
+    const auto known = times_.find(entity);
+    return known == times_.end() ? std::nullopt : std::optional(known->second);
+  }
+
+ private:
+  std::unordered_map<ltm::MemoryId, Time> times_;
+};
+
 /// One place where snapshots of sensory segments are held, such as the ring of one provider.
 ///
 /// A snapshot passes once at most, and in the order in which it came: attention_changed() is called
@@ -78,6 +102,12 @@ class SensorySource {
   /// Passes what it holds of attended entities and came within their time to be held. Returns
   /// once all of it has passed, also where another thread does so.
   virtual void pass() = 0;
+
+  /// Passes what it holds and is chosen, whoever attends. Others stay where they are.
+  virtual void pass_chosen(const IsChosen& is_chosen) = 0;
+
+  /// Notes the times of what it holds and did not pass.
+  virtual void note_earliest(EarliestTimes& times) const = 0;
 
   /// Called at intervals: lets go of what is too old. Returns false if the source is of no use any
   /// more.

@@ -42,17 +42,13 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
     reply_with_ring(message);
     return {};
   }
-  if (message.has_entry() && message.entry().written() == 0) {
-    reply(number, pass(message.entry()));
+  if (message.has_entry()) {
+    // What passes by it is counted where it does.
+    const v1::SensoryEntry& entry = message.entry();
+    reply(number, context_.rings.pass(who_, sharing_, entry.ring(), entry.written()));
     return {};
   }
   context_.metrics.commits.add();
-  if (message.has_entry()) {
-    const Status passed = pass(message.entry());
-    if (!passed.ok()) context_.metrics.refused_commits.add();
-    reply(number, passed);
-    return {};
-  }
   SensoryNames sensory;
   auto admission = commit(message, durability, sensory);
   if (!admission.ok()) {
@@ -80,10 +76,7 @@ Status CommitStream::on_request(grpc::ByteBuffer& request) {
 
 Result<ltm::Admission> CommitStream::commit(v1::CommitRequest& message, Durability durability,
                                             SensoryNames& sensory) {
-  if (Status status = who_.take_request(steady_now()); !status.ok()) {
-    context_.metrics.refused_rates.add();
-    return context_.audited(who_.name(), "commit", "", std::move(status));
-  }
+  ENGRAM_RETURN_IF_ERROR(context_.take_request(who_, "commit"));
   ENGRAM_ASSIGN_OR_RETURN(WireCommit taken, take(message));
   for (const ltm::EntityUpdate& update : taken.commit.updates)
     ENGRAM_RETURN_IF_ERROR(check(update.entity, update.time));
@@ -111,16 +104,8 @@ CommitStream::SensoryNames CommitStream::sensory_of(const ltm::Commit& commit) c
   return names;
 }
 
-Status CommitStream::pass(const v1::SensoryEntry& entry) {
-  if (Status status = who_.take_request(steady_now()); !status.ok()) {
-    context_.metrics.refused_rates.add();
-    return context_.audited(who_.name(), "commit", "", std::move(status));
-  }
-  return context_.rings.pass(sharing_, entry.ring(), entry.written());
-}
-
 Result<v1::SensoryRing> CommitStream::open_ring(const v1::CommitRequest& message) {
-  ENGRAM_RETURN_IF_ERROR(who_.take_request(steady_now()));
+  ENGRAM_RETURN_IF_ERROR(context_.take_request(who_, "commit"));
   if (!context_.sharing || sharing_ == kServerItself)
     return failed_precondition("sensory ring: needs a session of shared memory");
   std::vector<ltm::MemoryId> entities;

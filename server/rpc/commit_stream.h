@@ -35,8 +35,6 @@ class CommitStream final : public ReplyStream {
   /// Gives a client a ring for sensory entities that it may write.
   Result<v1::SensoryRing> open_ring(const v1::CommitRequest& message);
   void reply_with_ring(const v1::CommitRequest& message);
-  /// Passes what a ring has, as far as somebody attends to it.
-  Status pass(const v1::SensoryEntry& entry);
   [[nodiscard]] SensoryNames sensory_of(const ltm::Commit& commit) const;
   std::optional<BlockRef> lease(const v1::CommitRequest& message);
   void publish(const ltm::Admission& admission);

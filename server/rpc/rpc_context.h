@@ -33,6 +33,7 @@ struct RpcContext {
   std::unique_ptr<ltm::Redactor> redactor;  ///< Of answers; null: nobody needs it.
   std::shared_ptr<AuditLog> audit;          ///< Null: nobody keeps one.
   memory::EventHub hub;
+  RpcMetrics metrics;
   /// The rings of clients that share memory. Declared first, because sharing tells of clients that
   /// are gone.
   SensoryRings rings{*this};
@@ -42,7 +43,6 @@ struct RpcContext {
   std::function<Result<skills::SkillMemory*>()> skills;
   /// The same, if it has started; null if not.
   std::function<skills::SkillMemory*()> started_skills;
-  RpcMetrics metrics;
   std::atomic<int> forgettings{0};    ///< Calls that forget, or look up what they may.
   std::atomic<int> similar_calls{0};  ///< Questions about likeness that are not answered yet.
   std::atomic<int> streams{0};
@@ -70,6 +70,15 @@ struct RpcContext {
     if (!noted.ok())
       return failed_precondition("what cannot be noted is refused: {}", noted.message());
     return outcome;
+  }
+
+  /// Counts a request against the rate of who asks. A refusal is counted and noted.
+  /// Errors: those of Identity::take_request.
+  Status take_request(const Identity& who, std::string_view did) {
+    Status status = who.take_request(steady_now());
+    if (status.ok()) return status;
+    metrics.refused_rates.add();
+    return audited(who.name(), did, "", std::move(status));
   }
 };
 

@@ -37,10 +37,8 @@ Result<v1::SensoryRing> SensoryRings::open(const Identity& who, ClientId client,
     rings_.emplace(Key{client, last_ring_}, ring);
   }
   v1::SensoryRing told;
-  for (const ltm::MemoryId& id : entities) {
-    ENGRAM_ASSIGN_OR_RETURN(const uint32_t place, ring->place_of(id));
-    told.add_places(place);
-  }
+  ENGRAM_ASSIGN_OR_RETURN(const std::vector<uint32_t> places, ring->places_of(entities));
+  for (const uint32_t place : places) told.add_places(place);
   told.set_id(ring->id());
   *told.mutable_entries() = to_message(ring->memory().entries);
   *told.mutable_control() = to_message(ring->memory().control);
@@ -48,15 +46,16 @@ Result<v1::SensoryRing> SensoryRings::open(const Identity& who, ClientId client,
   return told;
 }
 
-Status SensoryRings::pass(ClientId client, uint64_t ring, uint64_t written) {
+Status SensoryRings::pass(const Identity& who, ClientId client, uint64_t ring, uint64_t written) {
   std::shared_ptr<SharedRing> found;
   {
     const MutexLock lock(mutex_);
     const auto known = rings_.find({client, ring});
     if (known != rings_.end()) found = known->second;
   }
+  if (found && written > 0) return found->pass_until(written);
+  ENGRAM_RETURN_IF_ERROR(context_.take_request(who, "commit"));
   if (!found) return not_found("sensory ring {}: is not of this client", ring);
-  if (written > 0) return found->pass_until(written);
   ENGRAM_ASSIGN_OR_RETURN(const bool is_new, found->begin());
   if (is_new) context_.service.sensory()->add(found);
   return {};

@@ -39,9 +39,10 @@ class SensoryRings {
                                std::span<const ltm::MemoryId> entities);
 
   /// Passes those of the first `written` entries of a ring to whose entities somebody attends.
-  /// Zero: the client has mapped the ring.
+  /// Zero: the client has mapped the ring. Each entry that passes counts against the rate of its
+  /// client as a commit does, and a call for nothing counts as well.
   /// Errors: kNotFound unless the client has the ring; what became of the last one.
-  Status pass(ClientId client, uint64_t ring, uint64_t written);
+  Status pass(const Identity& who, ClientId client, uint64_t ring, uint64_t written);
 
   /// Called when a client is gone.
   void end(ClientId client);

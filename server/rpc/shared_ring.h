@@ -11,6 +11,7 @@
 
 #include "ltm/core/mutex.h"
 #include "memory/live/sensory_memory.h"
+#include "server/rpc/entry_outcomes.h"
 #include "server/rpc/rpc_context.h"
 #include "server/sharing/sensory_ring.h"
 
@@ -35,16 +36,18 @@ class SharedRing final : public memory::SensorySource {
   [[nodiscard]] const SharedSessions::RingMemory& memory() const { return memory_; }
   [[nodiscard]] bool is_closed() const { return control_->is_closed != 0; }
 
-  /// The bit of an entity, which the ring may have from now on.
+  /// The bits of entities, which the ring may have from now on: all of them or none.
   /// Errors: kResourceExhausted beyond the max number of one ring; those of SensoryMemory::entity.
-  Result<uint32_t> place_of(const ltm::MemoryId& entity);
+  Result<std::vector<uint32_t>> places_of(std::span<const ltm::MemoryId> entities);
 
   /// Begins to read what the client has mapped. Returns false if it has begun before.
   /// Errors: those of SharedPool::commit.
   Result<bool> begin();
 
-  /// Passes what is attended to of the first `written` entries. Returns what became of the last.
-  /// Errors: kFailedPrecondition if it has not begun, or the client broke it.
+  /// Passes what is attended to of the first `written` entries, at least one. Returns what became
+  /// of the last, to which its client saw that somebody attends.
+  /// Errors: kFailedPrecondition if it has not begun, or the client broke it; kDataLoss if the last
+  /// could not pass; why it was refused.
   Status pass_until(uint64_t written);
 
   /// The client is gone: what is held can still pass for its time.
@@ -52,6 +55,8 @@ class SharedRing final : public memory::SensorySource {
 
   void attention_changed() override;
   void pass() override;
+  void pass_chosen(const memory::IsChosen& is_chosen) override;
+  void note_earliest(memory::EarliestTimes& times) const override;
   bool sweep(SteadyTime now) override;
   [[nodiscard]] memory::SensoryCounts counts() const override;
 
@@ -59,14 +64,24 @@ class SharedRing final : public memory::SensorySource {
   SharedRing(RpcContext& context, Identity who, ClientId client, uint64_t id,
              const memory::SensorySegment& segment, SharedSessions::RingMemory memory);
 
+  /// A number for each entity.
+  using OfPlaces = std::array<int64_t, kMaxRingEntities>;
+
   void pass_attended() ENGRAM_REQUIRES(passing_);
-  void pass_entry(const SensoryEntry& entry, uint64_t wanted, size_t& budget)
+  /// The entries that can be read now. Nothing where the client broke the ring.
+  std::optional<SensoryRingReader::Range> look() ENGRAM_REQUIRES(passing_);
+  /// Passes an entry's snapshots of the `wanted` entities, as far as they are chosen (empty: all).
+  /// Returns the entities of which it did, or cannot ever.
+  uint64_t pass_entry(const SensoryEntry& entry, uint64_t wanted, size_t& budget,
+                      const memory::IsChosen& is_chosen) ENGRAM_REQUIRES(passing_);
+  /// The snapshots that are to pass; `wanted` is left with their entities.
+  Result<v1::CommitRequest> read_head(const SensoryEntry& entry, uint64_t& wanted, size_t& budget,
+                                      const memory::IsChosen& is_chosen) ENGRAM_REQUIRES(passing_);
+  Status take(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget)
       ENGRAM_REQUIRES(passing_);
-  Status take(const SensoryEntry& entry, uint64_t wanted, size_t& budget, uint64_t& snapshots)
-      ENGRAM_REQUIRES(passing_);
-  /// Copies the data of a commit to one buffer of this process, and has the message say where.
-  Result<Buffer> copy_data(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget)
-      ENGRAM_REQUIRES(passing_);
+  /// Counts a call against the rate, if no entry of the `passed` ones was counted for it.
+  Status count_call(uint64_t passed) ENGRAM_REQUIRES(passing_);
+  /// When what can still pass came, at the earliest. Unit: ns of the clock that is never set.
   [[nodiscard]] int64_t oldest_came() const;
   void close(const std::string& why) ENGRAM_REQUIRES(passing_);
   /// The entities of these that did not pass at this entry already.
@@ -89,8 +104,11 @@ class SharedRing final : public memory::SensorySource {
   std::array<uint64_t, kMaxRingEntities> passed_until_ ENGRAM_GUARDED_BY(passing_){};
   uint64_t end_ ENGRAM_GUARDED_BY(passing_) = 0;  ///< As it was read last: it never goes back.
   memory::SensoryCounts counts_ ENGRAM_GUARDED_BY(passing_);
-  /// Why the newest of those that were refused were.
-  std::map<uint64_t, Status> refused_ ENGRAM_GUARDED_BY(passing_);
+  /// The entities of entries that passed ahead of others before them.
+  std::map<uint64_t, uint64_t> passed_early_ ENGRAM_GUARDED_BY(passing_);
+  EntryOutcomes outcomes_ ENGRAM_GUARDED_BY(passing_);
+  uint64_t counted_ ENGRAM_GUARDED_BY(passing_) = 0;  ///< Entries that counted against the rate.
+  uint64_t untold_ ENGRAM_GUARDED_BY(passing_) = 0;   ///< Of these, whose own calls may come yet.
   std::optional<SteadyTime> ended_ ENGRAM_GUARDED_BY(passing_);
   bool is_crowding_told_ ENGRAM_GUARDED_BY(passing_) = false;
 
@@ -98,6 +116,8 @@ class SharedRing final : public memory::SensorySource {
   mutable Mutex placing_ ENGRAM_ACQUIRED_AFTER(passing_);
   std::vector<memory::SharedSensoryEntity> entities_ ENGRAM_GUARDED_BY(placing_);
   uint64_t openings_ ENGRAM_GUARDED_BY(placing_) = 0;
+  /// When what passes came at the earliest, since attention to it opened. Unit: as oldest_came().
+  OfPlaces oldest_passed_ ENGRAM_GUARDED_BY(placing_){};
 };
 
 }  // namespace engram::server

@@ -130,7 +130,27 @@ TEST_F(SensoryMemoryTest, AQueryAboutEarlierTimesDoesNotAttend) {
   EXPECT_EQ(ask(fmt::format("time:{}..{}", now - 2 * minutes, now - minutes)), 0u);
   EXPECT_EQ(ask(fmt::format("before:{}", now - minutes)), 0u);
   EXPECT_EQ(ask(fmt::format("nearest:{}~1s", now - minutes)), 0u);
+  // Neither where it ended just before what is held.
+  const int64_t second = std::chrono::nanoseconds(1s).count();
+  EXPECT_EQ(ask(fmt::format("time:{}..{}", now - 2 * minutes, now - second)), 0u);
+  EXPECT_EQ(ask(fmt::format("before:{}", now - second)), 0u);
+  // The time between may be more than a duration can tell.
+  const auto of_the_first =
+      ltm::Query::of_entity(*ltm::MemoryId::parse(kCamera),
+                            ltm::select::Nearest{.time = time_from_ns(INT64_MIN), .tolerance = 1s});
+  EXPECT_FALSE(service_->query_memory(of_the_first).has_value());
+  EXPECT_EQ(counts().passed, 0u);
   EXPECT_EQ(ask(fmt::format("time:{}..{}", now - 2 * minutes, now)), 1u);
+}
+
+TEST_F(SensoryMemoryTest, AQueryAboutEarlierTimesFindsWhatCameLate) {
+  open();
+  const int64_t now = to_ns(system_now());
+  const int64_t second = std::chrono::nanoseconds(1s).count();
+  ASSERT_OK(commit(kCamera, now - 20 * second));
+  EXPECT_THAT(
+      *service_.ask(fmt::format("Vision @ time:{}..{}", now - 30 * second, now - 10 * second)),
+      ElementsAre(now - 20 * second));
 }
 
 TEST_F(SensoryMemoryTest, OneCommitMayHoldBoth) {
@@ -171,6 +191,15 @@ TEST_F(SensoryMemoryTest, RefusesMoreEntitiesThanItMayKnow) {
   open();
   ASSERT_OK(commit(kCamera, 1));
   EXPECT_FAILS(commit(kOther, 1), StatusCode::kResourceExhausted, "'Vision/RGB/head/right'");
+}
+
+TEST_F(SensoryMemoryTest, ForgetsEntitiesOfWhichNothingIsLeft) {
+  service_.options.max_entities = 1;
+  open(20ms);
+  ASSERT_OK(commit(kCamera, 1));
+  std::this_thread::sleep_for(60ms);
+  EXPECT_OK(commit(kOther, 1));
+  EXPECT_EQ(counts().held, 1u);
 }
 
 /// Sees one entity.
@@ -218,6 +247,19 @@ TEST_F(SensoryMemoryTest, ForgetsWhatIsHeld) {
   ASSERT_OK(outcome);
   EXPECT_EQ(outcome->snapshots, 1u);
   EXPECT_THAT(*service_.ask("Vision @ all"), ElementsAre(2));
+}
+
+TEST_F(SensoryMemoryTest, ForgettingTakesNoMoreThanATargetNames) {
+  open();
+  for (int64_t at = 1; at <= 5; ++at) ASSERT_OK(commit(kCamera, at));
+  ForgetRequest request;
+  request.targets = {std::string(kCamera) + " @ time:2..3"};
+  const auto outcome = service_->forget(std::move(request));
+  ASSERT_OK(outcome);
+  EXPECT_EQ(outcome->snapshots, 2u);
+  EXPECT_THAT(told(), ElementsAre(2, 3));
+  EXPECT_EQ(counts().held, 3u);
+  EXPECT_THAT(*service_.ask("Vision @ all"), ElementsAre(1, 4, 5));
 }
 
 TEST_F(SensoryMemoryTest, NamesWhatIsWrongWithOptions) {

@@ -109,7 +109,7 @@ class SensoryHostile : public ::testing::Test {
     ENGRAM_ASSIGN_OR_RETURN(auto room,
                             writer.reserve(head.size(), data_bytes, steady_now(), [] {}));
     std::ranges::copy(as_bytes(head), room.head.begin());
-    return tell(ring_.id(), writer.publish(1, 1, steady_now()) + 1);
+    return tell(ring_.id(), writer.publish(1, time_from_ns(1), steady_now()) + 1);
   }
 
   static v1::CommitRequest head_of(const std::string& entity, uint64_t offset, uint64_t size,
@@ -147,7 +147,12 @@ TEST_F(SensoryHostile, AsksForWhatThereIsNot) {
   ASSERT_OK(reply);
   EXPECT_FAILS(tell(reply->ring().id(), 1), StatusCode::kFailedPrecondition, "has not begun");
   EXPECT_FALSE(tell(reply->ring().id(), 0).ok()) << "it has mapped nothing";
-  for (int i = 1; i < 64; ++i) ASSERT_OK(open({fmt::format("Vision/RGB/head/{}", i)}));
+  for (int i = 1; i < 63; ++i) ASSERT_OK(open({fmt::format("Vision/RGB/head/{}", i)}));
+  // The place of the one that fits is not lost.
+  for (int i = 0; i < 2; ++i)
+    EXPECT_FAILS(open({fmt::format("Vision/RGB/more/{}", i), "Vision/RGB/more/last"}).status(),
+                 StatusCode::kResourceExhausted, "63 entities");
+  ASSERT_OK(open({"Vision/RGB/head/63"}));
   EXPECT_FAILS(open({"Vision/RGB/head/more"}).status(), StatusCode::kResourceExhausted,
                "64 entities");
 }
@@ -177,6 +182,7 @@ TEST_F(SensoryHostile, WritesGarbageIntoItsRing) {
     const Status told = tell(ring_.id(), words()[1]);
     ASSERT_NE(told.code(), StatusCode::kUnavailable) << told.to_string();
   }
+  EXPECT_GT(counts().refused, 0u);
   EXPECT_EQ(running_.server->service().counters().memory.committed, 0u);
 }
 
@@ -207,6 +213,41 @@ TEST_F(SensoryHostile, SaysWhatAnEntryDoesNotHave) {
   EXPECT_FALSE(write(writer, inlined, 10).ok());
   EXPECT_EQ(running_.server->service().counters().memory.committed, 0u);
   EXPECT_EQ(counts().passed, 0u);
+  EXPECT_EQ(counts().refused, 8u);
+  EXPECT_EQ(counts().lost(), 0u);
+}
+
+TEST_F(SensoryHostile, SaysMoreThanTheServerReads) {
+  open_ring();
+  const auto attention = running_.server->service().attend("Vision");
+  ASSERT_OK(attention);
+  SensoryControl control;
+  SensoryRingWriter writer(memory_.bytes, control, 10s);
+  EXPECT_FAILS(write(writer, std::string(900'000, '\xff'), 0), StatusCode::kDataLoss, "no message");
+  EXPECT_EQ(counts().refused, 1u);
+}
+
+TEST_F(SensoryHostile, AsksForWhatPassedNeither) {
+  open_ring();
+  SensoryControl control;
+  SensoryRingWriter writer(memory_.bytes, control, 10s);
+  const auto put = [&](SteadyTime came) {
+    const std::string head = head_of(kLeft, 0, 2).SerializeAsString();
+    auto room = writer.reserve(head.size(), 300'000, came, [] {});
+    EXPECT_OK(room);
+    std::ranges::copy(as_bytes(head), room->head.begin());
+    return writer.publish(1, time_from_ns(1), came) + 1;
+  };
+  const uint64_t old = put(steady_now() - 20s);
+  const uint64_t gone = put(steady_now());
+  for (int i = 0; i < 4; ++i) put(steady_now());
+  const auto attention = running_.server->service().attend("Vision");
+  ASSERT_OK(attention);
+  const uint64_t refused = counts().refused;
+  EXPECT_FAILS(tell(ring_.id(), old), StatusCode::kDataLoss, "entry 0 was overwritten");
+  EXPECT_FAILS(tell(ring_.id(), gone), StatusCode::kDataLoss, "entry 1 was overwritten");
+  EXPECT_FAILS(tell(ring_.id(), gone), StatusCode::kDataLoss, "entry 1 was overwritten");
+  EXPECT_EQ(counts().refused, refused + 2) << "each counts once";
 }
 
 TEST_F(SensoryHostile, TakesBackWhatItWrote) {
@@ -214,7 +255,7 @@ TEST_F(SensoryHostile, TakesBackWhatItWrote) {
   const auto attention = running_.server->service().attend("Vision");
   ASSERT_OK(attention);
   words()[1] = 100;
-  EXPECT_OK(tell(ring_.id(), 100));
+  EXPECT_FAILS(tell(ring_.id(), 100), StatusCode::kDataLoss, "entry 99");
   words()[1] = 5;
   EXPECT_FAILS(tell(ring_.id(), 5), StatusCode::kFailedPrecondition, "was closed");
   // It may begin anew.
@@ -247,6 +288,7 @@ TEST_F(SensoryHostile, ChangesItsEntriesWhileTheyAreRead) {
     std::this_thread::sleep_for(1ms);
     ASSERT_LE(counts().held, 256u) << "there are no more slots";
   }
+  EXPECT_GT(counts().refused, 0u);
 }
 
 }  // namespace

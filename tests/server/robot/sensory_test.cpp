@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <condition_variable>
+#include <fstream>
 #include <mutex>
 #include <thread>
 
@@ -143,15 +144,70 @@ TEST_P(Sensory, ASubscriberIsToldOfWhatCameBefore) {
   EXPECT_THAT(told.wait_for(9), ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
   EXPECT_EQ(told.broken(), 0);
   subscription->reset();
-  while (counts().held != 9) {
-    // The server hears of the end a little later.
-    ASSERT_OK(commit(kLeft, 10));
+  // The server hears of the end a little later.
+  for (int64_t at = 10; at < 1000 && counts().held == 9; ++at) {
+    ASSERT_OK(commit(kLeft, at));
     std::this_thread::sleep_for(5ms);
-    if (counts().held > 9) break;
   }
+  ASSERT_EQ(counts().held, 10u)
+      << "nine of the right eye, and one to which nobody attends any more";
   const uint64_t passed = counts().passed;
-  ASSERT_OK(commit(kLeft, 11));
+  ASSERT_OK(commit(kLeft, 2000));
   EXPECT_EQ(counts().passed, passed);
+  EXPECT_EQ(counts().held, 11u);
+}
+
+TEST_P(Sensory, ASubscriberIsToldOfAllThatWasHeldHoweverMuch) {
+  start();
+  constexpr int64_t kHeld = 3000;
+  for (int64_t at = 1; at <= kHeld; ++at) ASSERT_OK(commit(kLeft, at, 100));
+  ToldImages told;
+  SubscriptionHandlers handlers = told.handlers();
+  std::atomic<uint64_t> lost{0};
+  handlers.on_lost = [&lost](uint64_t count) { lost += count; };
+  const auto subscription =
+      running_.client()->subscribe({.names = {kLeft}, .with_data = true}, std::move(handlers));
+  ASSERT_OK(subscription);
+  EXPECT_EQ(told.wait_for(kHeld).size(), static_cast<size_t>(kHeld));
+  EXPECT_EQ(lost, 0u);
+}
+
+/// Many commits wait for their replies at once, in a ring that holds few of them: it asks the
+/// server to take some before it writes over them.
+class SensoryBurst : public Sensory {
+ protected:
+  void expect_all_pass(Duration hold) {
+    running_.options.service.sensory.ring_bytes = size_t{256} << 10;
+    start(hold);
+    const auto attention = running_.server->service().attend(kLeft);
+    ASSERT_OK(attention);
+    constexpr int64_t kCommits = 2000;
+    std::atomic<int64_t> done{0};
+    std::atomic<int64_t> failed{0};
+    ASSERT_OK(commit(kLeft, 1));
+    for (int64_t at = 2; at <= kCommits; ++at)
+      client_->commit(image_commit(kLeft, at), CommitDurability::kDefault,
+                      [&](const Status& status) {
+                        if (!status.ok()) ++failed;
+                        ++done;
+                      });
+    const SteadyTime end = steady_now() + 30s;
+    while (done < kCommits - 1 && steady_now() < end) std::this_thread::sleep_for(1ms);
+    ASSERT_EQ(done, kCommits - 1);
+    EXPECT_EQ(failed, 0);
+    EXPECT_EQ(counters().memory.committed, static_cast<uint64_t>(kCommits));
+    EXPECT_EQ(counts().passed, static_cast<uint64_t>(kCommits));
+    EXPECT_EQ(counts().refused, 0u);
+    EXPECT_EQ(counts().crowded_out, 0u) << "all of them passed";
+  }
+};
+
+TEST_F(SensoryBurst, WhatIsAttendedToPassesHoweverFastItComes) {
+  expect_all_pass(10s);
+}
+
+TEST_F(SensoryBurst, WhatIsAttendedToPassesHoweverLateTheServerIs) {
+  expect_all_pass(1ms);
 }
 
 TEST_P(Sensory, AQueryFindsWhatIsHeldAndAttendsForAWhile) {
@@ -218,6 +274,36 @@ TEST_P(Sensory, ForgetsWhatIsHeld) {
   EXPECT_THAT(ask("Vision @ all"), ElementsAre(4));
 }
 
+/// Sees the first snapshots of the left eye alone.
+class FirstOnes final : public ltm::View {
+ public:
+  [[nodiscard]] ltm::Sight of(const ltm::MemoryId& entity) const override {
+    if (entity.to_string() != kLeft) return {};
+    ltm::TimeWindows times;
+    times.add({.first = time_from_ns(0), .last = time_from_ns(2)});
+    return {times, times, false};
+  }
+};
+
+TEST_P(Sensory, ForgettingTakesNothingThatMayNotBeErased) {
+  start();
+  for (int64_t at = 1; at <= 5; ++at) {
+    ASSERT_OK(commit(kLeft, at));
+    ASSERT_OK(commit(kRight, at));
+  }
+  memory::ForgetRequest request;
+  request.targets = {"Vision"};
+  request.view = std::make_shared<FirstOnes>();
+  const auto forgotten = running_.server->service().forget(std::move(request));
+  ASSERT_OK(forgotten);
+  EXPECT_EQ(forgotten->snapshots, 2u);
+  EXPECT_EQ(counts().passed, 2u);
+  EXPECT_EQ(counts().held, 8u);
+  ASSERT_OK(commit(kLeft, 6));
+  EXPECT_EQ(counts().held, 9u) << "nobody attends";
+  EXPECT_THAT(ask(std::string(kLeft) + " @ all"), ElementsAre(3, 4, 5, 6)) << "they pass later";
+}
+
 TEST_P(Sensory, WhoMayNotWriteIsToldSo) {
   std::string tokens = "tokens:\n";
   for (const auto& [name, rights] : std::vector<std::pair<std::string, std::string>>{
@@ -241,6 +327,49 @@ TEST_P(Sensory, WhoMayNotWriteIsToldSo) {
   EXPECT_EQ(counts().passed, 3u);
 }
 
+TEST_P(Sensory, WhatPassesCountsAgainstTheRateAndRefusalsAreNoted) {
+  const std::filesystem::path log = running_.folder.path() / "audit.log";
+  ASSERT_OK(AuditLog::create(log));
+  std::string tokens = "tokens:\n";
+  for (const auto& [name, rights] : std::vector<std::pair<std::string, std::string>>{
+           {"eager", "role: write, memories: [Vision], rate: 20Hz"},
+           {"owner", "role: admin, memories: all"}})
+    tokens += fmt::format("  - {{name: {}, token_sha256: {}, {}}}\n", name,
+                          to_hex(hash_token(name)), rights);
+  running_.options.tokens = testing::write_secret(running_.folder.path() / "tokens.yaml", tokens);
+  auto opened = AuditLog::open(log);
+  ASSERT_OK(opened);
+  running_.options.audit = *std::move(opened);
+  start();
+  client_ = running_.client({.token = "eager", .shares_memory = shares()});
+  const auto attention = running_.server->service().attend(kLeft);
+  ASSERT_OK(attention);
+  int refused = 0;
+  for (int64_t at = 1; at <= 100; ++at) {
+    const Status status = commit(kLeft, at, 10);
+    if (status.ok()) continue;
+    EXPECT_FAILS(status, StatusCode::kResourceExhausted, "eager");
+    ++refused;
+  }
+  EXPECT_GT(refused, 30);
+  const auto text = running_.client({.token = "owner"})->metrics();
+  ASSERT_OK(text);
+  EXPECT_THAT(*text, HasSubstr(fmt::format("engram_commits_total 100\n")));
+  EXPECT_THAT(*text, HasSubstr(fmt::format("engram_commits_refused_total {}\n", refused)));
+  EXPECT_THAT(*text, HasSubstr(fmt::format("engram_requests_over_rate_total {}\n", refused)));
+  EXPECT_EQ(counters().memory.committed, static_cast<uint64_t>(100 - refused));
+  client_.reset();
+  ASSERT_OK(running_.server->stop());
+  running_.server.reset();
+  running_.options.audit.reset();
+  std::ifstream noted(log);
+  int lines = 0;
+  for (std::string line; std::getline(noted, line);)
+    lines +=
+        line.find("more requests") != std::string::npos && line.find("eager") != std::string::npos;
+  EXPECT_EQ(lines, refused);
+}
+
 TEST_P(Sensory, RedactsWhatPasses) {
   running_.with_store();
   ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
@@ -258,6 +387,28 @@ TEST_P(Sensory, RedactsWhatPasses) {
   for (const auto& snapshot : result->entities()[0]->snapshots)
     EXPECT_FALSE(ltm::testing::has_secret(*snapshot.instances[0].data.get_if<idf::NdArray>()));
   EXPECT_EQ(counters().redaction.redacted, 3u);
+}
+
+TEST_P(Sensory, OthersNeedNotWaitUntilWhatAQueryAsksForHasPassed) {
+  running_.with_store();
+  ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
+  rule.pack.rules = {ltm::PackRule{.codec = "none"}};
+  // A detector that gives no answer: each image takes a second.
+  rule.redact = ltm::testing::marker_redaction(running_.folder.path(), "silent");
+  running_.options.service.store->recording.rules = {rule};
+  start();
+  ASSERT_OK(client_->commit(
+      RunningServer::commit(kLeft, 1, ltm::testing::image_with_secret(320, 240, 20, 5))));
+  const auto asking = running_.client();
+  ASSERT_OK(asking->commit(RunningServer::commit("Robot/a/b/c", 1)));
+  std::atomic<bool> is_answered{false};
+  asking->query(*ltm::Query::parse("Vision @ latest"), {},
+                [&is_answered](const Result<ltm::QueryResult>& /*answer*/) { is_answered = true; });
+  EXPECT_OK(asking->query(*ltm::Query::parse("Robot @ latest")));
+  EXPECT_FALSE(is_answered);
+  const SteadyTime end = steady_now() + 20s;
+  while (!is_answered && steady_now() < end) std::this_thread::sleep_for(5ms);
+  EXPECT_TRUE(is_answered);
 }
 
 TEST_P(Sensory, OpensExactlyWhileAClientWrites) {
