@@ -112,6 +112,10 @@ class MemoryService {
   [[nodiscard]] Attention attend(SensoryMemory::Wanted is_wanted);
   Result<Attention> attend(const std::string& names);
 
+  /// Whether a query may have to wait until what sensory memory holds has passed. A thread that
+  /// must not wait asks this ahead of it.
+  [[nodiscard]] bool may_wait_for_sensory(const ltm::Query& query, const ltm::View* view) const;
+
   /// Sensory memory, for who has sources of his own; null where nothing is sensory.
   [[nodiscard]] const std::shared_ptr<SensoryMemory>& sensory() const;
 

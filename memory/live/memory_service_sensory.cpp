@@ -30,6 +30,10 @@ Result<Attention> MemoryService::attend(const std::string& names) {
       [query = std::move(query)](const ltm::MemoryId& entity) { return query.matches(entity); });
 }
 
+bool MemoryService::may_wait_for_sensory(const ltm::Query& query, const ltm::View* view) const {
+  return state_->sensory && state_->sensory->selects(query, view);
+}
+
 const std::shared_ptr<SensoryMemory>& MemoryService::sensory() const {
   return state_->sensory;
 }

@@ -74,25 +74,35 @@ void QueryStream::on_query(const v1::QueryRequest& message) {
     answer(message.number(), std::move(status));
     return;
   }
-  if (message.engine().empty()) {
+  const bool may_be_quick = message.engine().empty();
+  // What sensory memory holds passes ahead of an answer, for which others of this stream need not
+  // wait.
+  const bool waits = context_.service.may_wait_for_sensory(*query, view_.get());
+  if (may_be_quick && !waits) {
     if (auto known = context_.service.query_memory(*query, kAtOnceBytes, view_.get())) {
       answer(message.number(), *std::move(known));
       return;
     }
   }
   auto cursor = std::make_shared<std::optional<ltm::Recall::AnswerCursor>>();
-  answer_later({message.number(),
-                [this, query = *std::move(query), engine = message.engine(),
-                 others = *std::move(others), cursor](bool& is_last) -> Result<ltm::Answer> {
-                  if (!*cursor) {
-                    ENGRAM_ASSIGN_OR_RETURN(
-                        *cursor, context_.service.begin_query(query, engine, view_, others));
-                  }
-                  auto part = context_.service.next_part(**cursor, kStepBytes);
-                  if (part.ok()) redact(*part);
-                  is_last = (*cursor)->is_done();
-                  return part;
-                }});
+  answer_later(
+      {message.number(),
+       [this, query = *std::move(query), engine = message.engine(), others = *std::move(others),
+        cursor, tries_memory = may_be_quick && waits](bool& is_last) -> Result<ltm::Answer> {
+         if (!*cursor && tries_memory) {
+           is_last = true;
+           if (auto known = context_.service.query_memory(query, kAtOnceBytes, view_.get()))
+             return *std::move(known);
+         }
+         if (!*cursor) {
+           ENGRAM_ASSIGN_OR_RETURN(*cursor,
+                                   context_.service.begin_query(query, engine, view_, others));
+         }
+         auto part = context_.service.next_part(**cursor, kStepBytes);
+         if (part.ok()) redact(*part);
+         is_last = (*cursor)->is_done();
+         return part;
+       }});
 }
 
 /// Takes out what the reader may not see any more, and redacts the images that the reader may not
