@@ -75,7 +75,10 @@ std::string_view Body::in_the_way(const Eigen::Vector2d& velocity) const {
 
 void Body::keep_clear() {
   blocked_by_ = in_the_way(trajectory_.at(now_s()).velocity.head<2>());
-  if (blocked_by_.empty()) return;
+  if (!blocked_by_.empty()) brake();
+}
+
+void Body::brake() {
   drive_.end();
   for (int joint = 0; joint < kPlatformJoints; ++joint) trajectory_.stop(joint, now_s());
 }

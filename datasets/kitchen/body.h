@@ -51,6 +51,8 @@ class Body {
   void follow();
   /// Stops the platform before the chair or the person.
   void keep_clear();
+  /// Brings the platform to rest, whatever moves it.
+  void brake();
   /// The movable that the platform gets too close to at this velocity (frame: world); empty: none.
   [[nodiscard]] std::string_view in_the_way(const Eigen::Vector2d& velocity) const;
   /// The index of a thing or, after those, of a movable.

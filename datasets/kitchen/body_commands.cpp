@@ -96,11 +96,20 @@ Result<double> Body::carry_out(const DriveTo& command) {
 }
 
 Result<double> Body::carry_out(const Drive& command) {
-  ENGRAM_RETURN_IF_ERROR(check_vector(command.velocity));
+  // A platform that is blocked brakes already; braking anew would take longer.
+  const bool was_blocked = !blocked_by_.empty();
+  if (Status wrong = check_vector(command.velocity); !wrong.ok()) {
+    // Whoever drives wants something else than before, so the velocity of before must not go on.
+    if (!was_blocked) brake();
+    return wrong;
+  }
   // Else it would creep towards what is in its way, a bit with each command.
   const Eigen::Rotation2Dd turn(world_->positions()[2]);
   blocked_by_ = in_the_way(turn * command.velocity.head<2>());
-  if (blocked_by_.empty()) drive_.want(command.velocity, now_s());
+  if (blocked_by_.empty())
+    drive_.want(command.velocity, now_s());
+  else if (!was_blocked)
+    brake();
   return 0.0;
 }
 
