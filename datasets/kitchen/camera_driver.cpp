@@ -14,24 +14,18 @@ using CameraClock = std::chrono::steady_clock;
 constexpr double kEnough = 0.9;
 constexpr std::chrono::minutes kBetweenWords{1};
 
-Time time_of_picture(const BodyDescription& body, uint64_t sample) {
-  return body.start +
-         std::chrono::milliseconds(1000 / RobotBus::kRate_hz) * static_cast<int64_t>(sample);
-}
-
 ltm::Commit calibrations_of(const BodyDescription& body) {
   ltm::Commit commit;
-  const DrawingSize size{.width = body.width, .height = body.height, .samples = body.samples};
   for (const Side side : {Side::kLeft, Side::kRight}) {
     const Pose& pose = side == Side::kLeft ? body.pose_head_left : body.pose_head_right;
     add_snapshot(commit, entities::calibration(to_string(side)), body.start,
-                 {facts::calibration(side, size, pose)}, "simulation");
+                 {facts::calibration(side, body.size(), pose)}, "simulation");
   }
   return commit;
 }
 
 ltm::Commit views_of(const BodyDescription& body, const BodyPicture& picture) {
-  const Time time = time_of_picture(body, picture.sample);
+  const Time time = body.time_of(picture.sample);
   const facts::Links links{
       {}, entities::joints().at(time).instance(0), entities::platform().at(time).instance(0)};
   std::vector<idf::Data> views;
@@ -58,14 +52,14 @@ Status drive_camera(RobotBus& bus, const DriverOptions& options, const std::stop
   uint64_t committed = 0;
   double images_before = 0;
   double skipped_before = 0;
-  bool is_first = true;
-  for (uint64_t next = 0; !stop.stop_requested();) {
+  // A driver that died has drawn what it was asked for last, or nobody ever will.
+  for (uint64_t next = body.begin; !stop.stop_requested();) {
     const auto picture = bus.draw(next, committed, stop);
     if (picture.status().code() == StatusCode::kCancelled) break;
     if (!picture.ok()) return picture.status();
-    // Images come at multiples of their period; those that passed meanwhile are not drawn.
-    if (!std::exchange(is_first, false))
-      figures["skipped"] += static_cast<double>((picture->sample - next) / RobotBus::kImageEvery);
+    // Images come at multiples of their period; those that passed meanwhile are not drawn, and
+    // those that passed before this driver had begun neither.
+    figures["skipped"] += static_cast<double>((picture->sample - next) / RobotBus::kImageEvery);
     next = (picture->sample / RobotBus::kImageEvery + 1) * RobotBus::kImageEvery;
     const auto is_kept = kept.commit(views_of(body, *picture), stop);
     if (is_kept.status().code() == StatusCode::kCancelled) break;

@@ -38,13 +38,17 @@ Status KitchenOptions::validate() const {
   return {};
 }
 
+kitchen::DrawingSize kitchen::drawing_size(const KitchenOptions& options) {
+  return {.width = options.width,
+          .height = options.height,
+          .samples = options.is_fine ? 4 : 0,
+          .shadow_map = options.is_fine ? 2048 : 0};
+}
+
 Result<KitchenSummary> simulate_kitchen(const KitchenOptions& options, const CommitSink& sink,
                                         const ProgressSink& progress) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  const kitchen::DrawingSize size{.width = options.width,
-                                  .height = options.height,
-                                  .samples = options.is_fine ? 4 : 0,
-                                  .shadow_map = options.is_fine ? 2048 : 0};
+  const kitchen::DrawingSize size = kitchen::drawing_size(options);
   ENGRAM_ASSIGN_OR_RETURN(kitchen::World world,
                           kitchen::World::create(kitchen::make_layout(options.seed), size));
   ENGRAM_ASSIGN_OR_RETURN(const auto renderer, kitchen::Renderer::create(world, size));

@@ -63,9 +63,7 @@ Result<SkillResult> KitchenSkills::place(const SkillRequest& request, const std:
 }
 
 Status KitchenSkills::refresh() {
-  ENGRAM_ASSIGN_OR_RETURN(const auto states, bus_.wait(0, {}));
-  if (states.empty()) return unavailable("skill: the body told no state");
-  state_ = states.back();
+  ENGRAM_ASSIGN_OR_RETURN(state_, bus_.now());
   return {};
 }
 
@@ -82,8 +80,10 @@ Status KitchenSkills::wait_while(double seconds, const std::function<bool()>& go
       static_cast<uint64_t>(std::max(1.0, std::ceil(seconds / speed_ * RobotBus::kRate_hz - 1e-9)));
   const uint64_t until = state_.sample + samples;
   while (state_.sample < until) {
+    // Looked at from sample to sample, and not in between: where time passes in steps, a stop then
+    // takes effect at the same sample however quick this is.
     if (stop_.stop_requested()) return cancelled("told to stop");
-    ENGRAM_ASSIGN_OR_RETURN(const auto states, bus_.wait(state_.sample + 1, stop_));
+    ENGRAM_ASSIGN_OR_RETURN(const auto states, bus_.wait(state_.sample + 1, {}));
     if (states.empty()) return unavailable("skill: the body told no state");
     state_ = states.back();
     if (!goes_on()) return {};
@@ -215,9 +215,15 @@ Result<SkillResult> KitchenSkills::do_navigate(const SkillRequest& request) {
                           tell(LookAt{.object = {}, .point = seen}));
   ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double drives,
                           tell(DriveTo{.pose = goal, .seconds = seconds / speed_}));
+  // What blocked it before does not count; the samples after this one know of the drive.
+  ENGRAM_RETURN_IF_ERROR(refresh());
   ENGRAM_RETURN_IF_ERROR(wait_unless_blocked(seconds + 0.05));
   const std::string blocked_by = state_.blocked_by;
-  if (!blocked_by.empty()) ENGRAM_RETURN_IF_ERROR(wait(kRest_s));
+  if (!blocked_by.empty()) {
+    // The drive is over, whatever becomes of the chair.
+    ENGRAM_ASSIGN_OR_RETURN([[maybe_unused]] const double stopped, tell(StopAll{}));
+    ENGRAM_RETURN_IF_ERROR(wait(kRest_s));
+  }
   const double error_m = (state_.positions.head<2>() - goal.head<2>()).norm();
   if (!blocked_by.empty())
     return ended(false,

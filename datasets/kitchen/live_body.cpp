@@ -10,6 +10,7 @@
 
 #include "datasets/kitchen/body.h"
 #include "datasets/kitchen/robot_urdf.h"
+#include "datasets/kitchen/skill_steps.h"
 #include "datasets/kitchen/stage.h"
 #include "ltm/core/mutex.h"
 
@@ -19,26 +20,21 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 
-constexpr size_t kRememberedStates = RobotBus::kRate_hz;  ///< One second.
+constexpr size_t kRememberedStates = size_t{10} * RobotBus::kRate_hz;  ///< 4 MB.
 constexpr double kMinSpeed = 0.01;
 constexpr double kMaxSpeed = 100;
 constexpr uint64_t kNoEnd = ~uint64_t{0};
 
-DrawingSize size_of(const KitchenOptions& options) {
-  return {.width = options.width,
-          .height = options.height,
-          .samples = options.is_fine ? 4 : 0,
-          .shadow_map = options.is_fine ? 2048 : 0};
-}
-
 BodyDescription description_of(const LiveBody::Options& options, const World& world) {
-  const DrawingSize size = size_of(options.kitchen);
+  const DrawingSize size = drawing_size(options.kitchen);
   const Lighting& light = world.layout().light;
   const Pose pose_head_world = world.body_pose("head").inverse();
   BodyDescription all{.seed = options.kitchen.seed,
                       .start = options.kitchen.start,
                       .seconds = options.seconds,
                       .is_stepped = options.is_stepped,
+                      .is_held = options.is_held,
+                      .begin = 0,
                       .width = size.width,
                       .height = size.height,
                       .samples = size.samples,
@@ -67,6 +63,10 @@ Status LiveBody::Options::validate() const {
     return invalid_argument("kitchen: {} seconds, needs 0 to 1e9", seconds);
   if (is_stepped && clients.empty())
     return invalid_argument("kitchen: stepped without clients, needs one that makes the steps");
+  if (awaits_skills && !is_stepped)
+    return invalid_argument("kitchen: waits for skills, and is not stepped: its clock runs");
+  if (is_held && !awaits_skills)
+    return invalid_argument("kitchen: held without skills, needs those who let time pass");
   return {};
 }
 
@@ -76,8 +76,9 @@ struct LiveBody::State {
         last(given.seconds > 0
                  ? static_cast<uint64_t>(std::llround(given.seconds * RobotBus::kRate_hz))
                  : kNoEnd),
-        body(std::move(made)) {
-    for (const std::string& client : given.clients) waiting[client] = 0;
+        body(std::move(made)),
+        skills(given.is_held) {
+    for (const std::string& client : given.clients) drivers[client] = {};
   }
 
   void remember() ENGRAM_REQUIRES(mutex) {
@@ -88,10 +89,14 @@ struct LiveBody::State {
     ++counters.samples;
   }
 
-  [[nodiscard]] bool are_all_waiting() const ENGRAM_REQUIRES(mutex) {
-    return std::ranges::all_of(waiting, [&](const auto& one) ENGRAM_REQUIRES(mutex) {
-      return one.second > body.sample();
+  [[nodiscard]] bool are_drivers_waiting() const ENGRAM_REQUIRES(mutex) {
+    return std::ranges::all_of(drivers, [&](const auto& one) ENGRAM_REQUIRES(mutex) {
+      return one.second.until > body.sample();
     });
+  }
+
+  [[nodiscard]] bool are_all_waiting() const ENGRAM_REQUIRES(mutex) {
+    return are_drivers_waiting() && (!options.awaits_skills || skills.are_done(body.sample()));
   }
 
   void run(const std::stop_token& stop) {
@@ -99,8 +104,9 @@ struct LiveBody::State {
     const MutexLock lock(mutex);
     while (!stop.stop_requested() && !is_over) {
       if (options.is_stepped) {
-        if (!clients_changed.wait(mutex, stop,
-                                  [this]() ENGRAM_REQUIRES(mutex) { return are_all_waiting(); }))
+        if (!clients_changed.wait(mutex, stop, [this]() ENGRAM_REQUIRES(mutex) {
+              return is_over || are_all_waiting();
+            }))
           break;
       } else {
         const auto next =
@@ -110,12 +116,13 @@ struct LiveBody::State {
         clients_changed.wait_until(mutex, stop, next, [] { return false; });
         counters.behind_s = std::chrono::duration<double>(WallClock::now() - next).count();
       }
-      if (stop.stop_requested()) break;
+      if (stop.stop_requested() || is_over) break;
       if (body.sample() >= last) {
         is_over = true;
       } else {
         body.advance();
         remember();
+        skills.note(body.sample());
       }
       advanced.notify_all();
     }
@@ -124,20 +131,39 @@ struct LiveBody::State {
   }
 
   /// Waits for a sample as a client. Returns false if it has not come yet. Errors: kCancelled.
-  Result<bool> wait_for(const std::string& client, uint64_t until, const Patience& patience)
+  Result<bool> wait_for(const Client& client, uint64_t until, const Patience& patience)
       ENGRAM_REQUIRES(mutex) {
-    const auto own = waiting.find(client);
-    if (own != waiting.end()) own->second = until;
-    clients_changed.notify_all();
+    const auto driver = drivers.find(client.name);
+    const bool is_skill =
+        driver == drivers.end() && options.awaits_skills && client.name == RobotBus::kSkills;
+    if (driver != drivers.end()) driver->second = {until, until};
+    if (is_skill) skills.wait(client.bus, until);
+    notify_clients();
     advanced.wait_for(mutex, patience.stop, patience.max,
                       [&]() ENGRAM_REQUIRES(mutex) { return is_over || body.sample() >= until; });
-    if (patience.stop.stop_requested()) return cancelled("the client '{}' stopped", client);
+    if (patience.stop.stop_requested()) return cancelled("the client '{}' stopped", client.name);
     const bool is_there = body.sample() >= until;
-    if (!is_there && is_over) return cancelled("the robot's body has ended");
+    if (!is_there && is_over) return ended();
     // What a client does at this sample must be done before the next one.
-    if (is_there && own != waiting.end()) own->second = body.sample();
+    if (is_there && driver != drivers.end()) driver->second.until = body.sample();
+    if (is_there && is_skill) skills.wait(client.bus, body.sample());
     return is_there;
   }
+
+  /// Time may pass, or stand still, because of what a client did.
+  void notify_clients() ENGRAM_REQUIRES(mutex) {
+    clients_changed.notify_all();
+    // Whoever lets held time pass waits until all others are done.
+    if (options.is_held) advanced.notify_all();
+  }
+
+  static Status ended() { return cancelled("the robot's body has ended"); }
+
+  /// How far a driver is.
+  struct Driver {
+    uint64_t until = 0;  ///< The sample that it waits for.
+    uint64_t begin = 0;  ///< It is done with all before.
+  };
 
   const Options options;
   const uint64_t last;  ///< The last sample.
@@ -150,8 +176,9 @@ struct LiveBody::State {
   Body body ENGRAM_GUARDED_BY(mutex);
   std::deque<BodyState> states ENGRAM_GUARDED_BY(mutex);
   std::vector<double> coordinates ENGRAM_GUARDED_BY(mutex);  ///< Of the newest state.
-  /// The sample that each client of a stepped body waits for.
-  std::map<std::string, uint64_t> waiting ENGRAM_GUARDED_BY(mutex);
+  std::map<std::string, Driver> drivers ENGRAM_GUARDED_BY(mutex);
+  SkillSteps skills ENGRAM_GUARDED_BY(mutex);
+  uint64_t buses ENGRAM_GUARDED_BY(mutex) = 0;  ///< Of clients in this process.
   uint64_t images_until ENGRAM_GUARDED_BY(mutex) = 0;
   bool is_over ENGRAM_GUARDED_BY(mutex) = false;
   Counters counters ENGRAM_GUARDED_BY(mutex);
@@ -169,7 +196,7 @@ LiveBody::~LiveBody() {
 
 Result<std::unique_ptr<LiveBody>> LiveBody::start(const Options& options) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
-  const DrawingSize size = size_of(options.kitchen);
+  const DrawingSize size = drawing_size(options.kitchen);
   ENGRAM_ASSIGN_OR_RETURN(Body body, Body::create(options.kitchen, size));
   for (const std::string& what : options.pokes) {
     const auto poked = body.poke(what);
@@ -181,33 +208,81 @@ Result<std::unique_ptr<LiveBody>> LiveBody::start(const Options& options) {
     ENGRAM_ASSIGN_OR_RETURN(state->stage, Stage::open(state->body.world(), size));
     state->description = description_of(options, state->body.world());
     state->remember();
+    if (options.start) state->description.start = options.start();
   }
   state->thread =
       std::jthread([raw = state.get()](const std::stop_token& stop) { raw->run(stop); });
   return std::unique_ptr<LiveBody>(new LiveBody(std::move(state)));
 }
 
-const BodyDescription& LiveBody::describe() const {
-  return state_->description;
+BodyDescription LiveBody::describe(const std::string& client) const {
+  BodyDescription description = state_->description;
+  const MutexLock lock(state_->mutex);
+  if (const auto driver = state_->drivers.find(client); driver != state_->drivers.end())
+    description.begin = driver->second.begin;
+  return description;
 }
 
-Result<std::vector<BodyState>> LiveBody::wait(const std::string& client, uint64_t until,
+Result<std::vector<BodyState>> LiveBody::wait(const Client& client, uint64_t until,
                                               const Patience& patience) {
   const MutexLock lock(state_->mutex);
   ENGRAM_ASSIGN_OR_RETURN(const bool is_there, state_->wait_for(client, until, patience));
   std::vector<BodyState> since;
   if (!is_there) return since;
+  // Ten seconds of states, many times a second, would be too much for whoever only steers.
+  if (!state_->drivers.contains(client.name)) return std::vector{state_->states.back()};
   for (const BodyState& one : state_->states)
-    if (one.sample >= until) since.push_back(one);
+    if (one.sample >= until && since.size() < RobotBus::kMaxStates) since.push_back(one);
   return since;
 }
 
-Result<std::optional<BodyPicture>> LiveBody::draw(const std::string& client, uint64_t until,
+BodyState LiveBody::now() const {
+  const MutexLock lock(state_->mutex);
+  return state_->states.back();
+}
+
+void LiveBody::leave(const Client& client) {
+  const MutexLock lock(state_->mutex);
+  state_->skills.leave(client.bus);
+  state_->notify_clients();
+}
+
+Status LiveBody::step(SkillStep step) {
+  const MutexLock lock(state_->mutex);
+  if (!state_->options.awaits_skills)
+    return failed_precondition("kitchen: it does not wait for skills: it is not stepped");
+  if (state_->is_over) return State::ended();
+  const Status status = state_->skills.take(step);
+  state_->notify_clients();
+  return status;
+}
+
+Result<std::optional<uint64_t>> LiveBody::pass(const PassWish& wish, const Patience& patience) {
+  const MutexLock lock(state_->mutex);
+  ENGRAM_RETURN_IF_ERROR(state_->skills.pass(wish, state_->body.sample()));
+  state_->clients_changed.notify_all();
+  const auto has_passed = [&]() ENGRAM_REQUIRES(state_->mutex) {
+    return state_->skills.has_passed(wish.id) && state_->are_drivers_waiting() &&
+           state_->skills.are_waiting(state_->body.sample());
+  };
+  state_->advanced.wait_for(
+      state_->mutex, patience.stop, patience.max,
+      [&]() ENGRAM_REQUIRES(state_->mutex) { return state_->is_over || has_passed(); });
+  if (has_passed()) return std::optional(state_->body.sample());
+  if (state_->is_over) return State::ended();
+  return std::optional<uint64_t>();
+}
+
+Result<std::optional<BodyPicture>> LiveBody::draw(const Client& client, uint64_t until,
                                                   uint64_t committed, const Patience& patience) {
   std::vector<double> coordinates;
   uint64_t sample = 0;
   {
     const MutexLock lock(state_->mutex);
+    // An object links to this image, so nobody may say that one of the future is there.
+    if (committed > state_->body.sample() + 1)
+      return invalid_argument("the client '{}' committed images until {}, needs {} at most",
+                              client.name, committed, state_->body.sample() + 1);
     state_->images_until = std::max(state_->images_until, committed);
     ENGRAM_ASSIGN_OR_RETURN(const bool is_there, state_->wait_for(client, until, patience));
     if (!is_there) return std::optional<BodyPicture>();
@@ -233,6 +308,15 @@ LiveBody::Counters LiveBody::counters() const {
   return state_->counters;
 }
 
+void LiveBody::end() {
+  {
+    const MutexLock lock(state_->mutex);
+    state_->is_over = true;
+  }
+  state_->advanced.notify_all();
+  state_->clients_changed.notify_all();
+}
+
 bool LiveBody::has_ended() const {
   const MutexLock lock(state_->mutex);
   return state_->is_over;
@@ -244,39 +328,9 @@ bool LiveBody::wait_for_end(const std::stop_token& stop) {
                                [this]() ENGRAM_REQUIRES(state_->mutex) { return state_->is_over; });
 }
 
-namespace {
-
-/// A client in the process of the body.
-class NearBus final : public RobotBus {
- public:
-  NearBus(LiveBody& body, std::string client) : body_(body), client_(std::move(client)) {}
-
-  Result<BodyDescription> describe() override { return body_.describe(); }
-  Result<std::vector<BodyState>> wait(uint64_t until, const std::stop_token& stop) override {
-    while (true) {
-      auto states = body_.wait(client_, until, {.stop = stop});
-      if (!states.ok() || !states->empty()) return states;
-    }
-  }
-  Result<BodyPicture> draw(uint64_t until, uint64_t committed,
-                           const std::stop_token& stop) override {
-    while (true) {
-      ENGRAM_ASSIGN_OR_RETURN(auto picture, body_.draw(client_, until, committed, {.stop = stop}));
-      if (picture) return *std::move(picture);
-    }
-  }
-  Result<double> command(const BodyCommand& command) override { return body_.command(command); }
-  Result<std::string> poke(const std::string& what) override { return body_.poke(what); }
-
- private:
-  LiveBody& body_;
-  std::string client_;
-};
-
-}  // namespace
-
-std::unique_ptr<RobotBus> LiveBody::bus(std::string client) {
-  return std::make_unique<NearBus>(*this, std::move(client));
+uint64_t LiveBody::next_bus() {
+  const MutexLock lock(state_->mutex);
+  return ++state_->buses;
 }
 
 }  // namespace engram::datasets::kitchen

@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "datasets/kitchen/body_steps.h"
 #include "datasets/kitchen/kitchen.h"
 #include "datasets/kitchen/robot_bus.h"
+#include "ltm/core/time.h"
 
 namespace engram::datasets::kitchen {
 
@@ -24,9 +26,14 @@ class LiveBody {
     KitchenOptions kitchen;  ///< `seconds` is not used.
     double speed = 1;        ///< 0.01 to 100: how much faster than the clock time passes.
     bool is_stepped = false;
-    std::vector<std::string> clients;  ///< Those that a stepped body waits for.
-    double seconds = 0;                ///< When it ends; 0: when it goes.
-    std::vector<std::string> pokes;    ///< What is moved before anything else happens.
+    std::vector<std::string> clients;  ///< Drivers; a stepped body waits for each.
+    bool awaits_skills = false;  ///< A stepped body waits for a driver of skills too (BodySteps).
+    bool is_held = false;        ///< Time stands still but while BodySteps::pass() runs.
+    /// Tells the time of sample 0 once the room is built, which takes seconds; none: that of
+    /// `kitchen`.
+    Clock start{};
+    double seconds = 0;              ///< When it ends; 0: when it goes.
+    std::vector<std::string> pokes;  ///< What is moved before anything else happens.
 
     [[nodiscard]] Status validate() const;
   };
@@ -51,27 +58,45 @@ class LiveBody {
     Duration max = std::chrono::milliseconds(200);
   };
 
-  /// See RobotBus, for a client of this name.
-  [[nodiscard]] const BodyDescription& describe() const;
-  Result<std::vector<BodyState>> wait(const std::string& client, uint64_t until,
+  /// A client, and which of those of its name.
+  struct Client {
+    std::string name;
+    uint64_t bus = 0;
+  };
+
+  /// See RobotBus.
+  [[nodiscard]] BodyDescription describe(const std::string& client = {}) const;
+  Result<std::vector<BodyState>> wait(const Client& client, uint64_t until,
                                       const Patience& patience);
-  Result<std::optional<BodyPicture>> draw(const std::string& client, uint64_t until,
-                                          uint64_t committed, const Patience& patience);
+  [[nodiscard]] BodyState now() const;
+  Result<std::optional<BodyPicture>> draw(const Client& client, uint64_t until, uint64_t committed,
+                                          const Patience& patience);
+  /// The client is there no longer.
+  void leave(const Client& client);
   Result<double> command(const BodyCommand& command);
   Result<std::string> poke(const std::string& what);
 
+  /// See BodySteps. An empty answer means that time still passes; the client asks again.
+  Status step(SkillStep step);
+  Result<std::optional<uint64_t>> pass(const PassWish& wish, const Patience& patience);
+
   [[nodiscard]] Counters counters() const;
 
+  /// Ends it now: all that wait for it are told so.
+  void end();
   [[nodiscard]] bool has_ended() const;
   /// Waits until the body has ended. Returns false if the stop came first.
   bool wait_for_end(const std::stop_token& stop);
 
-  /// Returns a bus for a client in this process. The body must outlive it.
+  /// Return a bus for a client in this process, and the steps. The body must outlive them.
   [[nodiscard]] std::unique_ptr<RobotBus> bus(std::string client);
+  [[nodiscard]] std::unique_ptr<BodySteps> steps();
 
  private:
   struct State;
   explicit LiveBody(std::unique_ptr<State> state);
+
+  uint64_t next_bus();
 
   std::unique_ptr<State> state_;
 };

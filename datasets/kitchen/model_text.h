@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/kitchen/drawing_size.h"
 #include "datasets/kitchen/kitchen_layout.h"
 
 namespace engram::datasets::kitchen {
@@ -40,14 +41,6 @@ void add_things(const Layout& layout, ModelText& text);
 
 /// Adds a chair and a person, outside of the room.
 void add_movables(ModelText& text);
-
-/// The size and quality of the pictures to draw. Unit: pixels.
-struct DrawingSize {
-  int width = 640;
-  int height = 480;
-  int samples = 4;        ///< Samples per pixel; 0 for no smoothing.
-  int shadow_map = 2048;  ///< Side of the shadow map; 0 for no shadows.
-};
 
 /// Returns the whole document.
 [[nodiscard]] std::string document_of(const ModelText& text, const DrawingSize& size,

@@ -12,9 +12,6 @@
 
 namespace engram::datasets::kitchen {
 
-/// The radius of the platform. Unit: m.
-inline constexpr double kPlatformRadius_m = 0.28;
-
 /// Where a movable is while it is not in the room: behind a wall, so that no camera sees it.
 [[nodiscard]] Pose place_away(size_t movable);
 [[nodiscard]] bool is_away(const Pose& pose);

@@ -22,6 +22,7 @@ inline constexpr double kNeck_z_m = 0.07;
 inline constexpr double kEye_x_m = 0.112;
 inline constexpr double kEye_z_m = 0.105;
 inline constexpr double kThumbBase_m = 0.088;  ///< Length of the first part of a thumb.
+inline constexpr double kPlatformRadius_m = 0.28;
 
 /// The stereo cameras.
 inline constexpr double kBaseline_m = 0.07;

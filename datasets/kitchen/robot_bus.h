@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "datasets/kitchen/drawing_size.h"
 #include "datasets/kitchen/robot_body.h"
 #include "ltm/core/status.h"
 #include "ltm/core/time.h"
@@ -21,6 +22,10 @@ struct BodyDescription {
   Time start{};        ///< The time of sample 0.
   double seconds = 0;  ///< How long it lives; 0: until it is ended.
   bool is_stepped = false;
+  bool is_held = false;  ///< Time passes only while somebody lets it (BodySteps).
+  /// The sample at which this client goes on: 0 at first, and after a driver died what that one was
+  /// not done with.
+  uint64_t begin = 0;
   int width = 0;  ///< Size of each image.
   int height = 0;
   int samples = 0;  ///< Samples per pixel.
@@ -32,6 +37,12 @@ struct BodyDescription {
   std::string urdf;
   Pose pose_head_left = Pose::Identity();  ///< Takes coordinates of a camera to the head's.
   Pose pose_head_right = Pose::Identity();
+
+  [[nodiscard]] Time time_of(uint64_t sample) const;
+  /// What is told of its images; drivers are not told of shadows.
+  [[nodiscard]] DrawingSize size() const {
+    return {.width = width, .height = height, .samples = samples};
+  }
 };
 
 /// One object in the room, or the chair or the person.
@@ -122,13 +133,18 @@ class RobotBus {
 
   virtual Result<BodyDescription> describe() = 0;
 
-  /// Waits for a sample, and returns the states from it to the newest one. States that are older
-  /// than one second are gone, so the first may be a later one.
-  /// Errors: also kCancelled if `stop` is requested.
+  /// Waits for a sample. A driver, whose name the body knows, is told the states from it on in
+  /// their order, at most kMaxStates at once; any other client the newest one alone. States that
+  /// are older than ten seconds are gone, so the first may be a later one. Errors: also kCancelled
+  /// if `stop` is requested.
   virtual Result<std::vector<BodyState>> wait(uint64_t until, const std::stop_token& stop) = 0;
+
+  /// Returns the newest state at once. The client is not done with its sample.
+  virtual Result<BodyState> now() = 0;
 
   /// Waits for a sample, and draws what the cameras see at the newest one. `committed` is the
   /// BodyState::images_until that this client reached.
+  /// Errors: also kInvalidArgument if `committed` is of an image that is still to come.
   virtual Result<BodyPicture> draw(uint64_t until, uint64_t committed,
                                    const std::stop_token& stop) = 0;
 
@@ -142,9 +158,18 @@ class RobotBus {
   /// Errors: kInvalidArgument, kNotFound or kFailedPrecondition naming what is there.
   virtual Result<std::string> poke(const std::string& what) = 0;
 
+  /// The name of the clients that carry out skills, of which there may be several at once.
+  static constexpr std::string_view kSkills = "skills";
+
+  static constexpr size_t kMaxStates = 500;
   static constexpr int kRate_hz = 100;
   static constexpr uint64_t kImageEvery = 5;
   static constexpr uint64_t kObjectsEvery = 20;
 };
+
+inline Time BodyDescription::time_of(uint64_t sample) const {
+  return start +
+         std::chrono::milliseconds(1000 / RobotBus::kRate_hz) * static_cast<int64_t>(sample);
+}
 
 }  // namespace engram::datasets::kitchen

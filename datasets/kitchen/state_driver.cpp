@@ -14,17 +14,11 @@ namespace {
 
 using DriverClock = std::chrono::steady_clock;
 
-Time time_of_sample(const BodyDescription& body, uint64_t sample) {
-  return body.start +
-         std::chrono::milliseconds(1000 / RobotBus::kRate_hz) * static_cast<int64_t>(sample);
-}
-
 ltm::Commit prior_of(const BodyDescription& body) {
   ltm::Commit commit;
-  const DrawingSize size{.width = body.width, .height = body.height, .samples = body.samples};
   const Lighting light{.lamp = body.lamp, .daylight = body.daylight, .warmth = body.warmth};
   add_snapshot(commit, entities::recording(), body.start,
-               {facts::recording(body.seed, body.seconds, size, light)}, "simulation");
+               {facts::recording(body.seed, body.seconds, body.size(), light)}, "simulation");
   add_snapshot(commit, entities::description(), body.start,
                {facts::description(body.lower, body.upper, body.urdf)}, "simulation");
   for (const Surface surface : {Surface::kCounter, Surface::kTable})
@@ -40,10 +34,14 @@ ltm::Commit prior_of(const BodyDescription& body) {
 /// Turns states into snapshots.
 class StateReport {
  public:
-  explicit StateReport(const BodyDescription& body) : body_(body) {}
+  explicit StateReport(const BodyDescription& body) : body_(body) {
+    // At the beginning nobody has heard of a chair. Later one may have left while no driver was
+    // there to tell it.
+    if (body.begin == 0) gone_ = {"chair", "person"};
+  }
 
   void add(const BodyState& state, ltm::Commit& commit) {
-    const Time time = time_of_sample(body_, state.sample);
+    const Time time = body_.time_of(state.sample);
     add_snapshot(commit, entities::joints(), time,
                  {facts::joints(state.positions, state.velocities)}, "robot");
     add_snapshot(commit, entities::platform(), time,
@@ -52,7 +50,7 @@ class StateReport {
     // An object links to the last image that is in the memory; before the first there is none.
     ltm::MemoryId image;
     if (state.images_until > 0)
-      image = entities::stereo().at(time_of_sample(body_, state.images_until - 1)).instance(0);
+      image = entities::stereo().at(body_.time_of(state.images_until - 1)).instance(0);
     const facts::Links links{image, entities::joints().at(time).instance(0),
                              entities::platform().at(time).instance(0)};
     for (const SensedObject& object : state.objects) {
@@ -60,7 +58,7 @@ class StateReport {
       // A chair that leaves is told once more, where it went.
       if (type == nullptr || (is_away(object.pose) && gone_.contains(object.name))) continue;
       if (is_away(object.pose))
-        gone_.insert(object.name);
+        leaving_.insert(*gone_.insert(object.name).first);
       else
         gone_.erase(object.name);
       add_snapshot(commit, entities::object(*type), time,
@@ -70,9 +68,17 @@ class StateReport {
     }
   }
 
+  /// What was added is in the memory, or it is lost: then it does not know who left.
+  void end_commit(bool is_kept) {
+    if (!is_kept)
+      for (const std::string& name : leaving_) gone_.erase(name);
+    leaving_.clear();
+  }
+
  private:
   const BodyDescription& body_;
-  std::set<std::string> gone_{"chair", "person"};  ///< Movables that are not in the room.
+  std::set<std::string> gone_;     ///< Movables of which the memory knows that they are away.
+  std::set<std::string> leaving_;  ///< Those of them that are so since the last commit.
 };
 
 /// The times between commits.
@@ -107,20 +113,31 @@ Status drive_state(RobotBus& bus, const DriverOptions& options, const std::stop_
   Intervals intervals;
   std::map<std::string, double> figures;
   auto told = DriverClock::now();
-  for (uint64_t next = 0; !stop.stop_requested();) {
+  std::string blocked_by;
+  for (uint64_t next = body.begin; !stop.stop_requested();) {
     const auto states = bus.wait(next, stop);
     if (states.status().code() == StatusCode::kCancelled) break;
     if (!states.ok()) return states.status();
     if (states->empty()) continue;
     intervals.note();
-    // Only a driver that came or went on late missed some.
-    if (next > 0) figures["lost"] += static_cast<double>(states->front().sample - next);
+    // The body remembers what a driver missed that died or was slow, but not for ever.
+    if (const uint64_t gap = states->front().sample - next; gap > 0) {
+      figures["lost"] += static_cast<double>(gap);
+      options.say(fmt::format("{} samples from {} on were lost: nobody asked for them in time", gap,
+                              engram::to_string(body.time_of(next))));
+    }
     next = states->back().sample + 1;
     ltm::Commit commit;
-    for (const BodyState& state : *states) report.add(state, commit);
+    for (const BodyState& state : *states) {
+      report.add(state, commit);
+      if (!state.blocked_by.empty() && state.blocked_by != blocked_by)
+        options.say(fmt::format("the platform stopped: the {} is in its way", state.blocked_by));
+      blocked_by = state.blocked_by;
+    }
     const auto is_kept = kept.commit(commit, stop);
     if (is_kept.status().code() == StatusCode::kCancelled) break;
     if (!is_kept.ok()) return is_kept.status();
+    report.end_commit(*is_kept);
     figures[*is_kept ? "samples" : "lost"] += static_cast<double>(states->size());
     figures["away"] = kept.times_away();
     if (DriverClock::now() - told < options.figures_every) continue;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "datasets/kitchen/body_steps.h"
 #include "datasets/kitchen/robot_bus.h"
 #include "server/access/endpoint.h"
 
@@ -14,5 +15,8 @@ namespace engram::server {
 /// Errors: kInvalidArgument if the endpoint is no Unix socket.
 Result<std::unique_ptr<datasets::kitchen::RobotBus>> connect_body(const Endpoint& endpoint,
                                                                   const std::string& client);
+
+/// Returns the steps of that body, for its driver of skills. Errors: those of connect_body.
+Result<std::unique_ptr<datasets::kitchen::BodySteps>> connect_steps(const Endpoint& endpoint);
 
 }  // namespace engram::server

@@ -16,7 +16,13 @@ using kitchen::Pose;
 using kitchen::Side;
 
 constexpr int kPoseNumbers = 12;
+constexpr int kMaxSamplesPerPixel = 64;
 constexpr int kMaxSide = 4096;
+/// A thousand years. Times of samples are computed, and must not overflow.
+constexpr uint64_t kMaxSample = uint64_t{1'000} * 366 * 24 * 3600 * kitchen::RobotBus::kRate_hz;
+/// No time before 1970 or after 2200.
+constexpr int64_t kMaxStart_ns = int64_t{230} * 365 * 24 * 3600 * 1'000'000'000;
+constexpr uint64_t kMaxPass = uint64_t{24} * 3600 * kitchen::RobotBus::kRate_hz;
 
 template <typename Vector>
 void write_vector(const Vector& from, Doubles& to) {
@@ -49,6 +55,11 @@ Status read_pose(const Doubles& from, std::string_view what, Pose& to) {
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 4; ++column) to.matrix()(row, column) = from[4 * row + column];
   return {};
+}
+
+Status check_finite(double number, std::string_view what) {
+  if (std::isfinite(number)) return {};
+  return invalid_argument("bus: {} is not finite", what);
 }
 
 Side side_of(bool is_left) {
@@ -101,6 +112,8 @@ v1::BodyDescription to_message(const kitchen::BodyDescription& body) {
   message.set_start_ns(body.start.time_since_epoch().count());
   message.set_seconds(body.seconds);
   message.set_is_stepped(body.is_stepped);
+  message.set_is_held(body.is_held);
+  message.set_begin(body.begin);
   message.set_width(body.width);
   message.set_height(body.height);
   message.set_samples_per_pixel(body.samples);
@@ -118,15 +131,31 @@ v1::BodyDescription to_message(const kitchen::BodyDescription& body) {
 Result<kitchen::BodyDescription> read_description(const v1::BodyDescription& message) {
   kitchen::BodyDescription body;
   body.seed = message.seed();
+  if (message.start_ns() < 0 || message.start_ns() > kMaxStart_ns)
+    return invalid_argument("bus: a start at {} ns, needs 0 to {}", message.start_ns(),
+                            kMaxStart_ns);
   body.start = time_from_ns(message.start_ns());
   body.seconds = message.seconds();
   body.is_stepped = message.is_stepped();
+  body.is_held = message.is_held();
+  ENGRAM_ASSIGN_OR_RETURN(body.begin, read_sample(message.begin(), "the begin"));
   body.width = message.width();
   body.height = message.height();
   body.samples = message.samples_per_pixel();
   body.lamp = message.lamp();
   body.daylight = message.daylight();
   body.warmth = message.warmth();
+  for (const auto& [number, what] : {std::pair{body.seconds, "seconds"},
+                                     {body.lamp, "lamp"},
+                                     {body.daylight, "daylight"},
+                                     {body.warmth, "warmth"}})
+    ENGRAM_RETURN_IF_ERROR(check_finite(number, what));
+  if (body.width < 1 || body.height < 1 || body.width > kMaxSide || body.height > kMaxSide)
+    return invalid_argument("bus: images of {} x {}, needs 1 to {}", body.width, body.height,
+                            kMaxSide);
+  if (body.samples < 0 || body.samples > kMaxSamplesPerPixel)
+    return invalid_argument("bus: {} samples per pixel, needs 0 to {}", body.samples,
+                            kMaxSamplesPerPixel);
   body.lower.resize(kitchen::kJoints);
   body.upper.resize(kitchen::kJoints);
   ENGRAM_RETURN_IF_ERROR(read_vector(message.lower(), "lower", body.lower));
@@ -161,7 +190,9 @@ v1::BodyState to_message(const kitchen::BodyState& state) {
 
 Result<kitchen::BodyState> read_state(const v1::BodyState& message) {
   kitchen::BodyState state;
-  state.sample = message.sample();
+  ENGRAM_ASSIGN_OR_RETURN(state.sample, read_sample(message.sample(), "a state"));
+  ENGRAM_ASSIGN_OR_RETURN(state.images_until,
+                          read_sample(message.images_until(), "the images of a state"));
   ENGRAM_RETURN_IF_ERROR(read_vector(message.positions(), "positions", state.positions));
   ENGRAM_RETURN_IF_ERROR(read_vector(message.velocities(), "velocities", state.velocities));
   ENGRAM_RETURN_IF_ERROR(
@@ -177,7 +208,6 @@ Result<kitchen::BodyState> read_state(const v1::BodyState& message) {
     state.objects.push_back(std::move(object));
   }
   state.has_news = message.has_news();
-  state.images_until = message.images_until();
   state.blocked_by = message.blocked_by();
   return state;
 }
@@ -201,7 +231,7 @@ v1::BodyDrawReply to_message(const kitchen::BodyPicture& picture) {
 
 Result<kitchen::BodyPicture> read_picture(const v1::BodyDrawReply& message) {
   kitchen::BodyPicture picture;
-  picture.sample = message.sample();
+  ENGRAM_ASSIGN_OR_RETURN(picture.sample, read_sample(message.sample(), "a picture"));
   const int width = message.width();
   const int height = message.height();
   if (width < 1 || height < 1 || width > kMaxSide || height > kMaxSide)
@@ -220,6 +250,48 @@ Result<kitchen::BodyPicture> read_picture(const v1::BodyDrawReply& message) {
   ENGRAM_RETURN_IF_ERROR(read_pose(message.pose_left(), "pose_left", picture.pose_world_left));
   ENGRAM_RETURN_IF_ERROR(read_pose(message.pose_right(), "pose_right", picture.pose_world_right));
   return picture;
+}
+
+v1::BodyStepRequest to_message(kitchen::SkillStep step) {
+  v1::BodyStepRequest message;
+  message.set_step(static_cast<v1::BodyStepRequest::Step>(step));
+  return message;
+}
+
+v1::BodyPassRequest to_message(const kitchen::PassWish& wish) {
+  v1::BodyPassRequest message;
+  message.set_id(wish.id);
+  message.set_samples(wish.samples);
+  message.set_until_end(wish.until_end);
+  return message;
+}
+
+Result<kitchen::SkillStep> read_step(const v1::BodyStepRequest& message) {
+  switch (message.step()) {
+    case v1::BodyStepRequest::COME:
+      return kitchen::SkillStep::kCome;
+    case v1::BodyStepRequest::READY:
+      return kitchen::SkillStep::kReady;
+    case v1::BodyStepRequest::BEGIN:
+      return kitchen::SkillStep::kBegin;
+    case v1::BodyStepRequest::END:
+      return kitchen::SkillStep::kEnd;
+    default:
+      return invalid_argument("bus: found the step {}, which this body does not know",
+                              static_cast<int>(message.step()));
+  }
+}
+
+Result<kitchen::PassWish> read_wish(const v1::BodyPassRequest& message) {
+  if (message.samples() > kMaxPass)
+    return invalid_argument("bus: found {} samples to pass, needs {} at most", message.samples(),
+                            kMaxPass);
+  return kitchen::PassWish{message.id(), message.samples(), message.until_end()};
+}
+
+Result<uint64_t> read_sample(uint64_t sample, std::string_view what) {
+  if (sample <= kMaxSample) return sample;
+  return invalid_argument("bus: {} is of sample {}, needs {} at most", what, sample, kMaxSample);
 }
 
 v1::BodyCommandRequest to_message(const kitchen::BodyCommand& command) {

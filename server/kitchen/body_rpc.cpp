@@ -20,23 +20,37 @@ class BodyService final : public v1::KitchenBody::Service {
  public:
   explicit BodyService(kitchen::LiveBody& body) : body_(body) {}
 
-  grpc::Status Describe(grpc::ServerContext* /*call*/, const v1::BodyDescribeRequest* /*request*/,
+  grpc::Status Describe(grpc::ServerContext* /*call*/, const v1::BodyDescribeRequest* request,
                         v1::BodyDescription* reply) override {
-    *reply = to_message(body_.describe());
+    *reply = to_message(body_.describe(request->client()));
     return {};
   }
 
   grpc::Status Wait(grpc::ServerContext* /*call*/, const v1::BodyWaitRequest* request,
                     v1::BodyWaitReply* reply) override {
-    const auto states = body_.wait(request->client(), request->until(), {});
+    const auto states = body_.wait({request->client(), request->bus()}, request->until(), {});
     if (!states.ok()) return to_grpc(states.status());
     for (const kitchen::BodyState& state : *states) *reply->add_states() = to_message(state);
     return {};
   }
 
+  grpc::Status Now(grpc::ServerContext* /*call*/, const v1::BodyNowRequest* /*request*/,
+                   v1::BodyState* reply) override {
+    if (body_.has_ended()) return to_grpc(cancelled("the robot's body has ended"));
+    *reply = to_message(body_.now());
+    return {};
+  }
+
+  grpc::Status Leave(grpc::ServerContext* /*call*/, const v1::BodyLeaveRequest* request,
+                     v1::BodyLeaveReply* /*reply*/) override {
+    body_.leave({request->client(), request->bus()});
+    return {};
+  }
+
   grpc::Status Draw(grpc::ServerContext* /*call*/, const v1::BodyDrawRequest* request,
                     v1::BodyDrawReply* reply) override {
-    const auto picture = body_.draw(request->client(), request->until(), request->committed(), {});
+    const auto picture =
+        body_.draw({request->client(), request->bus()}, request->until(), request->committed(), {});
     if (!picture.ok()) return to_grpc(picture.status());
     if (*picture) *reply = to_message(**picture);
     return {};
@@ -56,6 +70,23 @@ class BodyService final : public v1::KitchenBody::Service {
     auto words = body_.poke(request->what());
     if (words.ok()) reply->set_words(*std::move(words));
     return to_grpc(words.status());
+  }
+
+  grpc::Status Step(grpc::ServerContext* /*call*/, const v1::BodyStepRequest* request,
+                    v1::BodyStepReply* /*reply*/) override {
+    const auto step = read_step(*request);
+    return to_grpc(step.ok() ? body_.step(*step) : step.status());
+  }
+
+  grpc::Status Pass(grpc::ServerContext* /*call*/, const v1::BodyPassRequest* request,
+                    v1::BodyPassReply* reply) override {
+    const auto wish = read_wish(*request);
+    if (!wish.ok()) return to_grpc(wish.status());
+    const auto sample = body_.pass(*wish, {});
+    if (!sample.ok()) return to_grpc(sample.status());
+    reply->set_has_passed(sample->has_value());
+    reply->set_sample(sample->value_or(0));
+    return {};
   }
 
  private:

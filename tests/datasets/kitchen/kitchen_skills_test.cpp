@@ -25,6 +25,7 @@ class StoppingBus final : public RobotBus {
     if (states.ok()) now_ = states->back().sample;
     return states;
   }
+  Result<BodyState> now() override { return bus_.now(); }
   Result<BodyPicture> draw(uint64_t until, uint64_t done, const std::stop_token& stop) override {
     return bus_.draw(until, done, stop);
   }
@@ -58,7 +59,7 @@ class Skills : public ::testing::Test {
     bus_ = body_->bus("skills");
   }
 
-  BodyState state() { return bus_->wait(0, {}).value().back(); }
+  BodyState state() { return bus_->now().value(); }
 
   /// A thing that stands on the counter.
   std::string on_counter() {
@@ -67,6 +68,13 @@ class Skills : public ::testing::Test {
           surface_below(object.pose.translation()) == Surface::kCounter)
         return object.name;
     ADD_FAILURE() << "nothing on the counter";
+    return "";
+  }
+
+  std::string held_by(const std::string& thing) {
+    for (const SensedObject& object : state().objects)
+      if (object.name == thing) return object.held_by;
+    ADD_FAILURE() << thing;
     return "";
   }
 
@@ -119,7 +127,12 @@ TEST_F(Skills, RestSoonAfterAStop) {
   RobotVector moves = rest.velocities;
   moves[joint_index("neck_yaw")] = moves[joint_index("neck_pitch")] = 0;
   EXPECT_LT(moves.cwiseAbs().maxCoeff(), 0.02);
-  EXPECT_GT((rest.pose_world_right_hand.translation() - state().positions.head<3>()).norm(), 0);
+  EXPECT_EQ(held_by(thing.object), "") << "it was stopped on its way";
+
+  // What the hand holds stays in it.
+  const auto held = KitchenSkills(*bus_).pick(thing, {});
+  ASSERT_OK(held);
+  ASSERT_EQ(held->end, SkillEnd::kSuccess) << held->reason;
 
   std::stop_source again;
   StoppingBus drive(*bus_, again, 80);
@@ -128,6 +141,7 @@ TEST_F(Skills, RestSoonAfterAStop) {
   ASSERT_OK(driven);
   EXPECT_EQ(driven->end, SkillEnd::kStop);
   EXPECT_LT(state().velocities.head<3>().cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_EQ(held_by(thing.object), "right");
 }
 
 TEST_F(Skills, FailWithTheirReasons) {

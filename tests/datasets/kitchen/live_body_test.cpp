@@ -234,6 +234,234 @@ TEST(LiveBody, StopsThePlatformBeforeAChairAndWhenItsDriverIsSilent) {
   EXPECT_GT((state.positions.head<2>() - chair).norm() - 0.5, gap);
 }
 
+TEST(LiveBody, BrakesWhenAVelocityIsRefused) {
+  auto body = LiveBody::start(stepped({"one"}));
+  ASSERT_OK(body);
+  const auto bus = (*body)->bus("one");
+  uint64_t now = 0;
+  const auto pass = [&](uint64_t samples) {
+    const auto states = bus->wait(now += samples, {});
+    EXPECT_OK(states);
+    return states->back();
+  };
+  const BodyState begin = pass(1);
+  const auto speed = [](const BodyState& state) { return state.velocities.head<2>().norm(); };
+  for (int i = 0; i < 4; ++i) {
+    ASSERT_OK(bus->command(Drive{{-0.3, 0, 0}}));
+    pass(10);
+  }
+  // What is refused is no reason to go on with what was wanted before.
+  EXPECT_FAILS(bus->command(Drive{{NAN, 0, 0}}), StatusCode::kInvalidArgument, "nan");
+  EXPECT_LT(speed(pass(25)), 0.15) << "it would hold for 0.3 s";
+
+  // Before a chair a quicker velocity is refused; the one before would go on for 0.3 s.
+  const BodyState rest = pass(40);
+  const double heading = begin.positions[2];
+  const Eigen::Vector2d ahead(std::cos(heading), std::sin(heading));
+  const Eigen::Vector2d chair = rest.positions.head<2>() - 0.75 * ahead;
+  ASSERT_OK(bus->poke(fmt::format("chair to {},{}", chair.x(), chair.y())));
+  ASSERT_OK(bus->command(Drive{{-0.2, 0, 0}}));
+  pass(10);
+  ASSERT_OK(bus->command(Drive{{-1, 0, 0}}));
+  const BodyState refused = pass(1);
+  EXPECT_EQ(refused.blocked_by, "chair");
+  const BodyState later = pass(39);
+  EXPECT_LT(speed(later), 1e-3);
+  EXPECT_LT((later.positions - refused.positions).head<2>().norm(), 0.05);
+}
+
+TEST(LiveBody, TellsADriverThatDiedWhatItMissed) {
+  LiveBody::Options options = stepped({"state"});
+  options.is_stepped = false;
+  options.speed = 20;
+  auto body = LiveBody::start(options);
+  ASSERT_OK(body);
+  {
+    const auto bus = (*body)->bus("state");
+    EXPECT_EQ(bus->describe()->begin, 0u);
+    const auto states = bus->wait(0, {});
+    ASSERT_OK(states);
+    EXPECT_EQ(states->front().sample, 0u);
+    ASSERT_OK(bus->wait(7, {}));
+  }
+  const auto watch = (*body)->bus("one");
+  ASSERT_OK(watch->wait(200, {}));
+  const auto bus = (*body)->bus("state");
+  const auto about = bus->describe();
+  ASSERT_OK(about);
+  EXPECT_EQ(about->begin, 7u) << "it asked for 7, and nobody knows what became of that";
+  const auto missed = bus->wait(7, {});
+  ASSERT_OK(missed);
+  EXPECT_EQ(missed->front().sample, 7u);
+  EXPECT_GE(missed->back().sample, 200u);
+  EXPECT_LE(missed->size(), RobotBus::kMaxStates);
+  // Whoever only steers needs the newest alone.
+  EXPECT_EQ(watch->wait(0, {})->size(), 1u);
+}
+
+TEST(LiveBody, SaysWhatItsStateDriverLost) {
+  LiveBody::Options options = stepped({"state", "camera"});
+  options.is_stepped = false;
+  options.speed = 100;
+  options.seconds = 15;
+  auto body = LiveBody::start(options);
+  ASSERT_OK(body);
+  ASSERT_OK((*body)->bus("one")->wait(1300, {}));
+  std::vector<std::string> words;
+  std::map<std::string, double> figures;
+  const DriverOptions driver{.commit = [](const ltm::Commit&) { return Status(); },
+                             .declare = [] { return Status(); },
+                             .say = [&](const std::string& text) { words.push_back(text); },
+                             .tell = [&](const auto& told) { figures = told; }};
+  EXPECT_OK(drive_state(*(*body)->bus("state"), driver, {}));
+  EXPECT_GE(figures["lost"], 300);
+  EXPECT_EQ(figures["samples"] + figures["lost"], 1501);
+  ASSERT_FALSE(words.empty());
+  EXPECT_THAT(words.front(), HasSubstr("samples from"));
+}
+
+TEST(LiveBody, TellsThatAChairLeftWhileTheMemoryWasAway) {
+  LiveBody::Options options = stepped({"state"});
+  options.seconds = 1;
+  options.is_stepped = false;
+  auto body = LiveBody::start(options);
+  ASSERT_OK(body);
+  ASSERT_OK((*body)->poke("chair to 0.6,0"));
+  bool memory_is_away = false;
+  double last_x = 0;
+  int after = 0;
+  const ltm::MemoryId chair = *ltm::MemoryId::parse("Objects/Instances/kitchen/chair_1");
+  const auto keep = [&](const ltm::Commit& commit) -> Status {
+    if (memory_is_away) {
+      // It comes back once the chair has left, and what told that is lost.
+      for (const ltm::EntityUpdate& update : commit.updates)
+        memory_is_away = memory_is_away && update.entity != chair;
+      return unavailable("away");
+    }
+    for (const ltm::EntityUpdate& update : commit.updates) {
+      if (update.entity != chair) continue;
+      last_x = ::kitchen::ObjectInstance::from_idf(update.instances.front().data)
+                   ->pose_world_object.position.x();
+      if (after++ > 0) continue;
+      memory_is_away = true;
+      EXPECT_OK((*body)->poke("chair away"));
+    }
+    return {};
+  };
+  const DriverOptions driver{.commit = keep,
+                             .declare = [] { return Status(); },
+                             .say = [](const std::string&) {},
+                             .tell = [](const auto&) {}};
+  EXPECT_OK(drive_state(*(*body)->bus("state"), driver, {}));
+  EXPECT_EQ(after, 2) << "once where it was, and once that it is gone";
+  EXPECT_GT(last_x, 3);
+}
+
+TEST(LiveBody, TakesTheTimeOfItsBeginOnceItIsBuilt) {
+  LiveBody::Options options = stepped({"one"});
+  options.start = system_now;
+  const Time before = system_now();
+  auto body = LiveBody::start(options);
+  ASSERT_OK(body);
+  // Building takes half a second or more, and reading the clock nothing.
+  const Time begin = (*body)->describe().start;
+  EXPECT_GT(begin - before, std::chrono::milliseconds(20));
+  EXPECT_LE(begin, system_now());
+}
+
+/// A stepped body with skills, whose only driver goes on by itself.
+class LiveBodySkills : public ::testing::Test {
+ protected:
+  void start(bool is_held) {
+    LiveBody::Options options = stepped({"state"});
+    options.awaits_skills = true;
+    options.is_held = is_held;
+    auto body = LiveBody::start(options);
+    ASSERT_OK(body);
+    body_ = *std::move(body);
+    steps_ = body_->steps();
+    state_ = std::jthread([bus = body_->bus("state")](const std::stop_token& stop) {
+      for (uint64_t next = 0; bus->wait(next, stop).ok(); ++next) {
+      }
+    });
+  }
+  uint64_t now() { return body_->now().sample; }
+  /// Whether time stands still, as far as a while tells.
+  bool stands() {
+    const uint64_t before = now();
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return now() == before;
+  }
+
+  std::unique_ptr<LiveBody> body_;
+  std::unique_ptr<BodySteps> steps_;
+  std::jthread state_;
+};
+
+TEST_F(LiveBodySkills, LetTimePassWhenEachExecutionWaits) {
+  start(false);
+  EXPECT_TRUE(stands()) << "its skills are not there yet";
+  ASSERT_OK(steps_->tell(SkillStep::kCome));
+  ASSERT_OK(steps_->tell(SkillStep::kReady));
+  EXPECT_FALSE(stands()) << "nothing runs";
+  ASSERT_OK(steps_->tell(SkillStep::kBegin));
+  const uint64_t begin = now();
+  EXPECT_TRUE(stands()) << "the execution has not waited yet";
+  auto bus = body_->bus(std::string(RobotBus::kSkills));
+  EXPECT_EQ(bus->now()->sample, begin);
+  ASSERT_OK(bus->wait(begin + 30, {}));
+  EXPECT_EQ(now(), begin + 30);
+  EXPECT_TRUE(stands());
+  // Another one.
+  ASSERT_OK(steps_->tell(SkillStep::kBegin));
+  auto other = body_->bus(std::string(RobotBus::kSkills));
+  std::jthread waiting([&] { EXPECT_OK(bus->wait(begin + 40, {})); });
+  EXPECT_TRUE(stands());
+  ASSERT_OK(other->wait(begin + 35, {}));
+  EXPECT_EQ(now(), begin + 35);
+  other.reset();
+  EXPECT_TRUE(stands()) << "it has left, and has not ended";
+  ASSERT_OK(steps_->tell(SkillStep::kEnd));
+  waiting.join();
+  EXPECT_EQ(now(), begin + 40);
+  // Its driver was killed, and there is another one.
+  ASSERT_OK(steps_->tell(SkillStep::kCome));
+  EXPECT_TRUE(stands());
+  ASSERT_OK(steps_->tell(SkillStep::kReady));
+  EXPECT_FALSE(stands());
+  EXPECT_FAILS(steps_->tell(SkillStep::kEnd), StatusCode::kFailedPrecondition, "none has begun");
+  EXPECT_FAILS(steps_->pass({}, {}), StatusCode::kFailedPrecondition, "not held");
+}
+
+TEST_F(LiveBodySkills, LetHeldTimePassAsLongAsSomebodyWants) {
+  start(true);
+  ASSERT_OK(steps_->tell(SkillStep::kCome));
+  ASSERT_OK(steps_->tell(SkillStep::kReady));
+  EXPECT_TRUE(stands());
+  const auto passed = steps_->pass({.id = 1, .samples = 30}, {});
+  ASSERT_OK(passed);
+  EXPECT_EQ(*passed, 30u);
+  EXPECT_TRUE(stands());
+  EXPECT_EQ(*steps_->pass({.id = 1, .samples = 30}, {}), 30u) << "it is the same wish";
+  // An execution that takes 12 samples.
+  ASSERT_OK(steps_->tell(SkillStep::kBegin));
+  std::jthread execution([this] {
+    {
+      const auto bus = body_->bus(std::string(RobotBus::kSkills));
+      EXPECT_OK(bus->wait(42, {}));
+    }
+    EXPECT_OK(steps_->tell(SkillStep::kEnd));
+  });
+  const auto ended = steps_->pass({.id = 2, .samples = 1000, .until_end = true}, {});
+  ASSERT_OK(ended);
+  EXPECT_EQ(*ended, 42u);
+  EXPECT_TRUE(stands());
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FAILS(steps_->pass({.id = 3, .samples = 1'000'000}, stop.get_token()),
+               StatusCode::kCancelled, "told to stop");
+}
+
 TEST(LiveBody, FollowsTheClockWhenItIsNotStepped) {
   LiveBody::Options options = stepped({});
   options.is_stepped = false;
@@ -260,6 +488,14 @@ TEST(LiveBody, ChecksItsOptions) {
   options.speed = 0;
   EXPECT_FAILS(LiveBody::start(options), StatusCode::kInvalidArgument, "speed 0");
   options.speed = 1;
+  options.is_held = true;
+  EXPECT_FAILS(LiveBody::start(options), StatusCode::kInvalidArgument, "held without skills");
+  options.is_held = false;
+  options.is_stepped = false;
+  options.awaits_skills = true;
+  EXPECT_FAILS(LiveBody::start(options), StatusCode::kInvalidArgument, "not stepped");
+  options.is_stepped = true;
+  options.awaits_skills = false;
   options.pokes = {"dog to 1,1"};
   EXPECT_FAILS(LiveBody::start(options), StatusCode::kNotFound, "no 'dog'");
 }

@@ -91,7 +91,25 @@ TEST(KitchenBus, RefusesMessagesThatDoNotFit) {
   picture.set_height(2);
   picture.set_left("12");
   EXPECT_FAILS(read_picture(picture), StatusCode::kInvalidArgument, "2 and 0 bytes, needs 12");
-  EXPECT_FAILS(read_description({}), StatusCode::kInvalidArgument, "lower has 0 numbers");
+  EXPECT_FAILS(read_description({}), StatusCode::kInvalidArgument, "images of 0 x 0");
+  v1::BodyDescription body;
+  body.set_width(2);
+  body.set_height(2);
+  EXPECT_FAILS(read_description(body), StatusCode::kInvalidArgument, "lower has 0 numbers");
+  body.set_start_ns(-1);
+  EXPECT_FAILS(read_description(body), StatusCode::kInvalidArgument, "a start at -1 ns");
+  body.set_start_ns(0);
+  body.set_begin(~uint64_t{0});
+  EXPECT_FAILS(read_description(body), StatusCode::kInvalidArgument, "sample 18446744073709551615");
+  state = to_message(some_state());
+  state.set_images_until(uint64_t{1} << 63);
+  EXPECT_FAILS(read_state(state), StatusCode::kInvalidArgument, "images of a state");
+  v1::BodyStepRequest step;
+  step.set_step(static_cast<v1::BodyStepRequest::Step>(77));
+  EXPECT_FAILS(read_step(step), StatusCode::kInvalidArgument, "step 77");
+  v1::BodyPassRequest pass;
+  pass.set_samples(~uint64_t{0});
+  EXPECT_FAILS(read_wish(pass), StatusCode::kInvalidArgument, "samples to pass");
 }
 
 TEST(KitchenBus, LetsAnotherProcessMoveTheRobot) {
@@ -127,6 +145,11 @@ TEST(KitchenBus, LetsAnotherProcessMoveTheRobot) {
   EXPECT_OK((*bus)->poke("chair to 1,0"));
   EXPECT_FAILS((*bus)->command(kitchen::Drive{{NAN, 0, 0}}), StatusCode::kInvalidArgument,
                "not finite");
+  EXPECT_FAILS((*bus)->draw(0, 1'000'000, {}), StatusCode::kInvalidArgument,
+               "committed images until 1000000");
+  const auto now = (*bus)->now();
+  ASSERT_OK(now);
+  EXPECT_EQ((*body)->now().sample, now->sample);
   std::stop_source stop;
   stop.request_stop();
   EXPECT_FAILS((*bus)->wait(1'000'000, stop.get_token()), StatusCode::kCancelled, "stopped");
