@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/driver_processes.h"
 
-#include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstring>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "cli/child_pipe.h"
 #include "ltm/core/child.h"
 
 namespace engram::cli {
@@ -35,27 +34,26 @@ class RunningDriver {
   ~RunningDriver() {
     if (id_ == 0) return;
     kill(SIGKILL);
-    reap(0);
+    reap(0, {});
   }
 
   [[nodiscard]] bool is_running() const { return id_ != 0; }
-  [[nodiscard]] int output() const { return output_; }
+  [[nodiscard]] int output() const { return output_.read_end(); }
   [[nodiscard]] const std::string& name() const { return driver_.name; }
+  [[nodiscard]] bool ends_by_itself() const { return driver_.ends_by_itself; }
   [[nodiscard]] bool is_due() const { return id_ == 0 && steady_now() >= again_; }
 
   Status start() {
-    std::array<int, 2> ends{};
-    if (::pipe2(ends.data(), O_CLOEXEC) != 0)
-      return unavailable("driver '{}': {}", name(), std::strerror(errno));
+    const std::string context = fmt::format("driver '{}'", name());
+    if (const Status opened = output_.open(); !opened.ok()) return opened.with_context(context);
     const auto started =
-        start_child(driver_.arguments, {.output = ends[1]}, ChildLife::kWithThread);
-    ::close(ends[1]);
+        start_child(driver_.arguments, {.output = output_.write_end()}, ChildLife::kWithThread);
+    output_.close_write_end();
     if (!started.ok()) {
-      ::close(ends[0]);
-      return started.status().with_context(fmt::format("driver '{}'", name()));
+      output_.close();
+      return started.status().with_context(context);
     }
     id_ = *started;
-    output_ = ends[0];
     begun_ = steady_now();
     return {};
   }
@@ -66,17 +64,12 @@ class RunningDriver {
 
   /// Reads what there is, and tells whole lines. Returns false at the end of the output.
   bool read(const DriverEvents& events) {
-    std::array<char, 4096> bytes{};
-    const ssize_t count = ::read(output_, bytes.data(), bytes.size());
-    if (count < 0) return errno == EINTR || errno == EAGAIN;
-    text_.append(bytes.data(), static_cast<size_t>(count));
-    for (size_t end = 0; (end = text_.find('\n')) != std::string::npos; text_.erase(0, end + 1))
-      events.on_line(name(), text_.substr(0, end));
-    return count > 0;
+    lines_.read(output_, [&](const std::string& line) { events.on_line(name(), line); });
+    return output_.is_open();
   }
 
-  /// Takes note that it ended, if it did. Returns its exit code.
-  std::optional<int> reap(int flags) {
+  /// Takes note that it ended, if it did, after what it said. Returns its exit code.
+  std::optional<int> reap(int flags, const DriverEvents& events) {
     int status = 0;
     pid_t ended = 0;
     do {
@@ -84,8 +77,10 @@ class RunningDriver {
     } while (ended < 0 && errno == EINTR);
     if (ended == 0) return std::nullopt;
     id_ = 0;
-    text_.clear();
-    ::close(std::exchange(output_, -1));
+    // One that was killed may have left lines. Nobody writes any more, so this does not wait.
+    while (events.on_line && output_.is_open() && output_.has_bytes()) read(events);
+    output_.close();
+    lines_.clear();
     pause_ = steady_now() - begun_ > kLivedWell ? kFirstPause
                                                 : std::min<Duration>(2 * pause_, kMaxPause);
     again_ = steady_now() + pause_;
@@ -97,8 +92,8 @@ class RunningDriver {
  private:
   const DriverProcess& driver_;
   pid_t id_ = 0;
-  int output_ = -1;
-  std::string text_;  ///< An incomplete line.
+  ChildPipe output_;
+  ChildLines lines_;
   SteadyTime begun_{};
   SteadyTime again_{};
   Duration pause_ = kFirstPause / 2;
@@ -118,7 +113,7 @@ void look_at(const RunningDrivers& all, const DriverEvents& events, bool is_endi
     for (const pollfd& ready : waiting)
       if (ready.fd == one->output() && ready.revents != 0) is_open = one->read(events);
     // A driver ends by closing its output; one that is killed may leave lines.
-    const auto code = one->reap(is_open ? WNOHANG : 0);
+    const auto code = one->reap(is_open ? WNOHANG : 0, events);
     if (code && !is_ending && !events.is_over()) events.on_end(one->name(), *code, one->pause());
   }
 }
@@ -144,10 +139,9 @@ Status run_drivers(const std::vector<DriverProcess>& drivers, const DriverEvents
     for (const auto& one : all)
       if (one->is_due() && !events.is_over()) ENGRAM_RETURN_IF_ERROR(one->start());
   }
-  // Drivers see by themselves that all is over; Ctrl-C does not reach them, because each has a
-  // process group of its own.
-  if (stop.stop_requested())
-    for (const auto& one : all) one->kill(SIGTERM);
+  // Ctrl-C does not reach drivers, because each has a process group of its own.
+  for (const auto& one : all)
+    if (stop.stop_requested() || !one->ends_by_itself()) one->kill(SIGTERM);
   const SteadyTime until = steady_now() + kGraceOfDrivers;
   while (!are_ended(all) && steady_now() < until) look_at(all, events, true);
   return {};

@@ -16,6 +16,8 @@ struct DriverProcess {
   std::string name;
   /// The program, which is looked up on PATH, and its arguments.
   std::vector<std::string> arguments;
+  /// Whether it sees by itself that all is over; others are told by SIGTERM.
+  bool ends_by_itself = false;
 };
 
 struct DriverEvents {
@@ -31,10 +33,10 @@ struct DriverEvents {
 };
 
 /// Runs drivers until all has been done or a stop is requested, and waits until they have ended:
-/// they are told by SIGTERM, and killed after two seconds. The kernel kills them with the thread
-/// that calls this, also if that is killed.
-/// Errors: kUnavailable or kNotFound if one cannot be started; the others are ended then.
-/// Threading: events come on the calling thread.
+/// those that do not see it by themselves are told by SIGTERM, and they are killed after two
+/// seconds. The kernel kills them with the thread that calls this, also if that is killed. Errors:
+/// kUnavailable or kNotFound if one cannot be started; the others are ended then. Threading: events
+/// come on the calling thread.
 Status run_drivers(const std::vector<DriverProcess>& drivers, const DriverEvents& events,
                    const std::stop_token& stop);
 
