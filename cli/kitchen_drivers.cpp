@@ -71,8 +71,11 @@ ExitCode run_driver(DriverArguments arguments) {
             print_now(Json({{"figures", figures}}).dump());
           }};
   const std::stop_token stop = interrupt_token();
-  if (arguments.name == "skills")
+  if (arguments.name == "skills") {
+    // What runs is stopped, and the server told that it is gone.
+    finish_after_interrupt();
     return done_or_failed(provide_kitchen_skills(*endpoint, arguments.remote, options.say, stop));
+  }
   return done_or_failed(arguments.name == "camera" ? kitchen::drive_camera(**body, options, stop)
                                                    : kitchen::drive_state(**body, options, stop));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/live_kitchen.h"
 
+#include <array>
 #include <map>
 #include <utility>
 
@@ -65,7 +66,10 @@ class LiveLog {
   void driver_line(const std::string& driver, const std::string& line) {
     Json told = Json::parse(line, nullptr, false);
     if (!told.is_object()) return;
-    if (told.contains("figures")) figures_[driver] = told["figures"];
+    if (told.contains("figures") && told["figures"].is_object()) {
+      add_former(former_[driver], told["figures"]);
+      figures_[driver] = told["figures"];
+    }
     if (is_json_) {
       told["driver"] = driver;
       print_now(told.dump());
@@ -74,7 +78,9 @@ class LiveLog {
     }
   }
 
-  void driver_ended(const std::string& driver, int exit_code, Duration again) const {
+  void driver_ended(const std::string& driver, int exit_code, Duration again) {
+    // The next one counts from the beginning.
+    former_[driver] = figures_[driver];
     if (is_json_)
       return print_now(
           Json({{"event", "driver ended"}, {"driver", driver}, {"exit_code", exit_code}}).dump());
@@ -118,8 +124,17 @@ class LiveLog {
   }
 
  private:
+  /// Adds what the former drivers of a name counted. Lengths and rates are of the last one alone.
+  static void add_former(const Json& former, Json& figures) {
+    for (const char* count : {"images", "skipped", "samples", "lost", "away"})
+      if (former.is_object() && former.contains(count) && former[count].is_number() &&
+          (!figures.contains(count) || figures[count].is_number()))
+        figures[count] = figures.value(count, 0.0) + former[count].get<double>();
+  }
+
   bool is_json_;
   std::map<std::string, Json> figures_;
+  std::map<std::string, Json> former_;  ///< Of the drivers of a name that have ended.
   SteadyTime next_word_{};
 };
 
@@ -144,7 +159,9 @@ LiveBody::Options body_options(const datasets::KitchenOptions& options,
   body.kitchen = options;
   body.speed = arguments.speed;
   body.is_stepped = arguments.is_stepped;
+  body.is_held = arguments.is_held;
   body.clients = {"state", "camera"};
+  body.awaits_skills = arguments.is_stepped;
   body.seconds = arguments.seconds;
   if (!arguments.chair.empty()) body.pokes.push_back("chair to " + arguments.chair);
   if (!arguments.person.empty()) body.pokes.push_back("person to " + arguments.person);
@@ -163,21 +180,26 @@ Status read_given(const std::vector<uint64_t>& seeds, const CLI::App& given,
           "(--server)",
           batch);
   const bool is_timed = given.get_option("--seconds")->count() > 0;
-  if (arguments.is_stepped && !is_timed)
-    return invalid_argument("--stepped: needs --seconds, because it knows no clock");
+  if (arguments.is_held && !arguments.is_stepped)
+    return invalid_argument("--held: needs --stepped: a clock cannot be held");
+  if (arguments.is_stepped && given.get_option("--speed")->count() > 0)
+    return invalid_argument("found --stepped and --speed: it knows no clock that has a speed");
+  if (arguments.is_stepped && !arguments.is_held && !(is_timed && options.seconds > 0))
+    return invalid_argument(
+        "--stepped: needs --seconds of more than 0, because it knows no clock, or --held");
   options.seed = seeds.front();
   if (is_timed) arguments.seconds = std::exchange(options.seconds, 1);
-  if (given.get_option("--start")->count() == 0 && !arguments.is_stepped)
-    options.start = std::chrono::floor<std::chrono::milliseconds>(system_now());
   return {};
 }
+
+constexpr std::array kServerOptions{"--server", "--names", "--token", "--ca"};
 
 /// The words that run a driver of the body at `bus`.
 std::vector<std::string> driver_words(const std::string& name, const Endpoint& bus,
                                       const CLI::App& given) {
   std::vector<std::string> words{"/proc/self/exe", "simulate", kDriverCommand, name,
                                  "--bus=" + bus.to_string()};
-  for (const char* option : {"--server", "--names", "--token", "--ca"})
+  for (const char* option : kServerOptions)
     for (const std::string& value : given.get_option(option)->results())
       words.push_back(option + ("=" + value));
   return words;
@@ -200,6 +222,10 @@ void add_live_options(CLI::App& kitchen, LiveKitchenArguments& arguments) {
       .add_flag("--stepped", arguments.is_stepped,
                 "Time passes when all drivers are done: equal options, equal snapshots")
       ->group(kGroup);
+  kitchen
+      .add_flag("--held", arguments.is_held,
+                "With --stepped: time passes only while the skill kitchen/pass runs")
+      ->group(kGroup);
   kitchen.add_option("--chair", arguments.chair, "Where a chair stands: X,Y or X,Y,DEGREES")
       ->group(kGroup);
   kitchen.add_option("--person", arguments.person, "Where a person stands")->group(kGroup);
@@ -213,11 +239,24 @@ void add_live_options(CLI::App& kitchen, LiveKitchenArguments& arguments) {
   add_remote_options(kitchen, arguments.remote);
 }
 
+Status check_recorded(const CLI::App& given) {
+  std::vector<std::string> live{"--speed",  "--stepped", "--held", "--chair",
+                                "--person", "--bus",     "--json"};
+  live.insert(live.end(), kServerOptions.begin(), kServerOptions.end());
+  live.emplace_back("--timeout");
+  for (const std::string& option : live)
+    if (given.get_option(option)->count() > 0)
+      return invalid_argument("found {} without --live: it is of a live kitchen", option);
+  return {};
+}
+
 ExitCode run_live_kitchen(datasets::KitchenOptions options, LiveKitchenArguments arguments,
                           const std::vector<uint64_t>& seeds, const CLI::App& given) {
   if (const Status status = read_given(seeds, given, options, arguments); !status.ok())
     return wrong_usage(status);
-  const LiveBody::Options wanted = body_options(options, arguments);
+  LiveBody::Options wanted = body_options(options, arguments);
+  if (given.get_option("--start")->count() == 0 && !arguments.is_stepped)
+    wanted.start = [] { return std::chrono::floor<std::chrono::milliseconds>(system_now()); };
   if (const Status status = wanted.validate(); !status.ok()) return wrong_usage(status);
   const auto endpoint = bus_endpoint(arguments.bus);
   if (!endpoint.ok()) return wrong_usage(endpoint.status());
@@ -234,9 +273,12 @@ ExitCode run_live_kitchen(datasets::KitchenOptions options, LiveKitchenArguments
 
   std::vector<DriverProcess> drivers;
   for (const std::string& name : wanted.clients)
-    drivers.push_back({name, driver_words(name, *endpoint, given)});
-  // When a skill starts is not a matter of steps.
-  if (!wanted.is_stepped) drivers.push_back({"skills", driver_words("skills", *endpoint, given)});
+    drivers.push_back({name, driver_words(name, *endpoint, given), true});
+  drivers.push_back({"skills", driver_words("skills", *endpoint, given)});
+  // Where time may stand still, what runs would not see the stop.
+  const std::stop_callback ends(interrupt_token(), [&] {
+    if (wanted.is_stepped) (*body)->end();
+  });
   const Status status = run_drivers(
       drivers,
       {.on_line = [&](const auto& driver, const auto& line) { log.driver_line(driver, line); },

@@ -15,6 +15,7 @@ namespace engram::cli {
 struct LiveKitchenArguments {
   bool is_live = false;
   bool is_stepped = false;
+  bool is_held = false;
   bool is_json = false;
   double speed = 1;
   double seconds = 0;  ///< 0: until Ctrl-C.
@@ -26,6 +27,10 @@ struct LiveKitchenArguments {
 
 /// Adds the options of a live kitchen to the command that records one.
 void add_live_options(CLI::App& kitchen, LiveKitchenArguments& arguments);
+
+/// Checks that no option of a live kitchen was given to one that records.
+/// Errors: kInvalidArgument naming it.
+[[nodiscard]] Status check_recorded(const CLI::App& given);
 
 /// Runs the body of the robot, and its drivers as programs of their own, until Ctrl-C.
 /// `given`: the command, whose options of recordings must not be given.

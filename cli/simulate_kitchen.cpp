@@ -32,6 +32,7 @@ constexpr const char* kSimulateKitchenFooter = R"(Examples:
   engram simulate kitchen --live                     beside 'engram serve robot.engram'
   engram simulate kitchen --live --fast --chair 1.0,0.2 --person -0.6,-1
   engram simulate kitchen --live --stepped --fast --seconds 5
+  engram simulate kitchen --live --stepped --held    time passes while kitchen/pass runs
 
 A humanoid brings objects from a counter to a table and back (docs/kitchen.md). Seeds are recorded
 into one store, one after the other, or each into a store kitchen-SEED.engram of a folder, by
@@ -300,6 +301,10 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
       exit_code = seeds.ok()
                       ? run_live_kitchen(arguments->options, arguments->live, *seeds, *kitchen)
                       : wrong_usage(seeds.status());
+      return;
+    }
+    if (const Status status = check_recorded(*kitchen); !status.ok()) {
+      exit_code = wrong_usage(status);
       return;
     }
     exit_code = run(*arguments, arguments_of(*kitchen, {"--seed", "--jobs", "--progress"}));

@@ -6,6 +6,10 @@ namespace engram::cli {
 
 void add_live_options(CLI::App& /*kitchen*/, LiveKitchenArguments& /*arguments*/) {}
 
+Status check_recorded(const CLI::App& /*given*/) {
+  return {};
+}
+
 ExitCode run_live_kitchen(datasets::KitchenOptions /*options*/, LiveKitchenArguments /*arguments*/,
                           const std::vector<uint64_t>& /*seeds*/, const CLI::App& /*given*/) {
   return fail(failed_precondition("this program was built without servers"));

@@ -78,6 +78,12 @@ class LiveKitchen : public ::testing::Test {
     EXPECT_THAT(ran.out, HasSubstr(R"("images":11.0)"));
     EXPECT_THAT(ran.out, HasSubstr(R"("samples":51.0)"));
     EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
+    return sensed(store);
+  }
+
+  /// What the robot sensed, by path, but when it came. Skills, and maps that are made beside the
+  /// kitchen, follow clocks of their own.
+  std::map<std::string, std::string> sensed(const std::string& store) const {
     const std::string folder = (directory_ / (store + "-files")).string();
     const RunResult exported =
         run_engram({"export", (directory_ / store).string(), "--to", "armarx", "-o", folder});
@@ -85,15 +91,74 @@ class LiveKitchen : public ::testing::Test {
     std::map<std::string, std::string> files;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
       if (!entry.is_regular_file()) continue;
+      const std::string path = entry.path().lexically_relative(folder);
+      if (path.find("RobotState") == std::string::npos &&
+          path.find("Vision") == std::string::npos && path.find("Objects") == std::string::npos &&
+          path.find("Simulation") == std::string::npos)
+        continue;
       std::string text = text_of(entry.path());
       if (entry.path().filename() == "data.json") {
         Json value = Json::parse(text);
         value.erase("arrived_ns");
         text = value.dump();
       }
-      files[entry.path().lexically_relative(folder)] = text;
+      files[path] = text;
     }
     return files;
+  }
+
+  /// What is sensed while skills are asked for, stopped and hindered in a kitchen whose time is
+  /// held, and how they ended.
+  std::pair<std::map<std::string, std::string>, std::vector<std::string>> held(
+      const std::string& name) const {
+    std::ofstream(directory_ / (name + ".yaml"))
+        << "servers:\n  - {name: engram, store: " << (directory_ / (name + ".engram")).string()
+        << ", skills: {clock: RobotState/Localization/robot/platform}}\nsystem_state: false\n";
+    RunningEngram server({"serve", "--config", (directory_ / (name + ".yaml")).string()});
+    EXPECT_TRUE(server.wait_for("listens at"));
+    RunningEngram kitchen(live({"--stepped", "--held", "--height", "32"}));
+    EXPECT_TRUE(kitchen.wait_for("are registered"));
+    std::vector<std::string> ends;
+    const auto pass = [](const std::string& seconds, bool until_end) {
+      const RunResult passed =
+          run_engram({"skill", "run", "kitchen/pass", "seconds=" + seconds,
+                      std::string("until_end=") + (until_end ? "true" : "false")});
+      EXPECT_EQ(passed.exit_code, 0) << passed.out << passed.err;
+    };
+    const auto begin = [](std::vector<std::string> words) {
+      words.insert(words.begin(), {"skill", "run"});
+      words.emplace_back("--json");
+      auto running = std::make_unique<RunningEngram>(words);
+      EXPECT_TRUE(running->wait_for(R"("stage":"started")"));
+      return running;
+    };
+    const auto end = [&](RunningEngram& running) {
+      const std::string out = running.end(0).out;
+      const Json last = Json::parse(out.substr(out.rfind('\n', out.size() - 2) + 1));
+      ends.push_back(last.at("outcome").get<std::string>() + ": " +
+                     last.at("reason").get<std::string>() + last.at("result").dump());
+    };
+    pass("0.25", false);
+    auto drive = begin({"kitchen/navigate", "surface=counter"});
+    pass("0.6", false);
+    const RunResult poked = run_engram({"simulate", "poke", "chair to 0.6,-1.5"});
+    EXPECT_EQ(poked.exit_code, 0) << poked.err;
+    const RunResult said = run_engram({"commit", "Speech/Commands/human/text", "--data",
+                                       R"({"speaker": "Ada", "text": "Stop!"})"});
+    EXPECT_EQ(said.exit_code, 0) << said.err;
+    pass("60", true);
+    end(*drive);
+    drive = begin({"kitchen/approach", "object=Objects/Instances/kitchen/salt_box_1"});
+    pass("60", true);
+    end(*drive);
+    // It waits besides until the memory says that the hand holds the object.
+    auto pick = begin({"kitchen/pick", "object=Objects/Instances/kitchen/salt_box_1"});
+    pass("60", true);
+    pass("0.3", false);
+    end(*pick);
+    EXPECT_EQ(kitchen.end(SIGINT).exit_code, 0);
+    EXPECT_EQ(server.end(SIGTERM).exit_code, 0);
+    return {sensed(name + ".engram"), ends};
   }
 
   ScratchDirectory directory_;
@@ -111,6 +176,19 @@ TEST_F(LiveKitchen, GivesEqualSnapshotsWhenItIsStepped) {
   EXPECT_EQ(count("Objects/Instances/kitchen/chair_1/"), 3);
   EXPECT_EQ(count("Objects/Instances/kitchen/person_1/"), 3);
   EXPECT_EQ(count("Objects/Classes/kitchen/"), 12);
+  expect_no_drivers();
+}
+
+TEST_F(LiveKitchen, CarriesOutSkillsEquallyWhileItsTimeIsHeld) {
+  const auto [first, first_ends] = held("first");
+  const auto [second, second_ends] = held("second");
+  EXPECT_GT(first.size(), 300u);
+  EXPECT_TRUE(first == second);
+  EXPECT_EQ(first_ends, second_ends);
+  ASSERT_THAT(first_ends, SizeIs(3));
+  EXPECT_THAT(first_ends[0], HasSubstr("stop: its condition does not hold any more"));
+  EXPECT_THAT(first_ends[1], HasSubstr("success: 0.0"));
+  EXPECT_THAT(first_ends[2], HasSubstr("success: lifted 0.1"));
   expect_no_drivers();
 }
 
@@ -193,6 +271,9 @@ TEST_F(LiveKitchen, LeavesNoDriverWhenItIsKilled) {
 TEST_F(LiveKitchen, SaysWhatIsWrong) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{"--stepped"}, "needs --seconds"},
+      {{"--stepped", "--seconds", "0"}, "needs --seconds of more than 0"},
+      {{"--stepped", "--seconds", "1", "--speed", "2"}, "found --stepped and --speed"},
+      {{"--held"}, "--held: needs --stepped"},
       {{"--folder", "x"}, "found --live and --folder"},
       {{"--seed", "1,2"}, "found 2 seeds"},
       {{"--chair", "1"}, "found the place '1'"},
@@ -201,6 +282,17 @@ TEST_F(LiveKitchen, SaysWhatIsWrong) {
     const RunResult result = run_engram(live(more));
     EXPECT_NE(result.exit_code, 0) << message;
     EXPECT_THAT(result.err, HasSubstr(message));
+  }
+  for (const auto& option : {std::vector<std::string>{"--stepped"},
+                             {"--held"},
+                             {"--json"},
+                             {"--chair", "1,0"},
+                             {"--server", "unix:/tmp/none"}}) {
+    std::vector<std::string> words{"simulate", "kitchen", (directory_ / "x.engram").string()};
+    words.insert(words.end(), option.begin(), option.end());
+    const RunResult result = run_engram(words);
+    EXPECT_EQ(result.exit_code, 2) << option.front();
+    EXPECT_THAT(result.err, HasSubstr("found " + option.front() + " without --live"));
   }
 }
 
