@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # A robot that lives: its memory, the kitchen with its drivers, and the page that shows both, until
-# Ctrl-C.  Usage: robot.sh ENGRAM DIR ROBOT_YAML [OPTIONS OF THE KITCHEN]
+# Ctrl-C, or until its terminal is closed.  Usage: robot.sh ENGRAM DIR ROBOT_YAML [OPTIONS OF THE KITCHEN]
 set -eu
 
 engram=$1
@@ -23,7 +23,7 @@ begin() {
 # The page first, so that it says nothing of a server that is gone; the server last, because it
 # stores what is in its memory.
 end() {
-  trap '' INT TERM
+  trap '' INT TERM HUP
   for program in $programs; do
     kill -TERM "$program" 2> /dev/null || true
     wait "$program" 2> /dev/null || true
@@ -31,6 +31,7 @@ end() {
 }
 trap end EXIT
 trap 'exit 130' INT TERM
+trap 'exit 129' HUP
 
 begin serve --config "$dir/robot.yaml" > "$dir/serve.log" 2>&1
 server=$!
