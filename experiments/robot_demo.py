@@ -332,7 +332,10 @@ def live(world: Processes, thing: str, of: type[WallTime]) -> None:
         WallTime(memory).until("the kitchen has its skills", lambda: any(
             one.value["is_available"]
             for one in last(memory, "Skill/Executable/kitchen/drive @ latest")))
-        ask_for(world, memory, thing, of(memory))
+        now = of(memory)
+        # What the robot senses is in the memory then, and with it the time.
+        now.sleep(0.1)
+        ask_for(world, memory, thing, now)
 
 
 def ask_for(world: Processes, memory: engram.Memory, thing: str, now: WallTime) -> None:
