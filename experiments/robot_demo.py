@@ -332,6 +332,8 @@ def live(world: Processes, thing: str, of: type[WallTime]) -> None:
         WallTime(memory).until("the kitchen has its skills", lambda: any(
             one.value["is_available"]
             for one in last(memory, "Skill/Executable/kitchen/drive @ latest")))
+        WallTime(memory).until("what is known before is in the memory", lambda: all(
+            last(memory, f"{kind} @ latest") for kind in ("Objects/Classes", "Objects/Instances")))
         now = of(memory)
         # What the robot senses is in the memory then, and with it the time.
         now.sleep(0.1)
