@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <memory>
 #include <optional>
-#include <utility>
 
 #include "cli/child_pipe.h"
 #include "ltm/core/child.h"

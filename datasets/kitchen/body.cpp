@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/kitchen/body.h"
 
-#include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "datasets/kitchen/movable_places.h"

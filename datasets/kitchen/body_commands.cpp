@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "datasets/kitchen/body.h"
 #include "datasets/kitchen/movable_places.h"

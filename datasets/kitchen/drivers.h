@@ -28,15 +28,14 @@ struct DriverOptions {
 ///
 /// While the memory is away, what is sensed is lost and counted, because a robot's senses do not
 /// wait. A stepped body does wait. What the body no longer remembers when it asks is lost too, and
-/// said. Figures: samples, lost (samples), away (times that the memory
-/// was), interval_p50_ms and interval_p99_ms between commits of this time.
+/// said. Figures: samples, lost (samples), away (times that the memory was), interval_p50_ms and
+/// interval_p99_ms between commits of this time.
 /// Errors: those of the bus but kCancelled, which ends it; those of the memory but kUnavailable.
 Status drive_state(RobotBus& bus, const DriverOptions& options, const std::stop_token& stop);
 
 /// Reads the images of both cameras and commits them, 20 in a second if the machine draws as many.
-/// Figures: images, skipped (images of the 20 a second that were not drawn in time, and
-/// those before it had begun), lost, away,
-/// images_per_s.
+/// Figures: images, skipped (images of the 20 a second that were not drawn in time, and those before
+/// it had begun), lost, away, images_per_s.
 /// Errors: those of drive_state.
 Status drive_camera(RobotBus& bus, const DriverOptions& options, const std::stop_token& stop);
 
