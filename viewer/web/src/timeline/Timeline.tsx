@@ -2,7 +2,7 @@
 import { createEffect, createMemo, createSignal, For, on, onCleanup, onMount, Show } from 'solid-js';
 import { getJson } from '../api/client';
 import { treeLevel } from '../api/types';
-import { copyExport, selectSpan } from '../state/actions';
+import { copyExport, follow, selectSpan } from '../state/actions';
 import { selectedLinks } from '../state/links';
 import { parseId } from '../state/ids';
 import { messageOf } from '../state/request';
@@ -14,6 +14,12 @@ import { createSize, perFrame } from '../ui/size';
 import { sized, theme } from '../ui/theme';
 import { download, downloadSvg } from '../ui/download';
 import { SvgPen } from '../ui/svg';
+import { createLanes } from '../skills/ask';
+import { hitAt, type Hit, type LanePlace } from '../skills/draw';
+import { entitiesOf, isOfSkills, laneOf, type EventLane } from '../skills/lanes';
+import { OutcomeLegend } from '../skills/OutcomeLegend';
+import { describeHit } from '../skills/words';
+import { setClicked, setOnScreen, toldExecution } from '../state/executions';
 import { createDensity, wider } from './density';
 import { drawLanes, type LaneView } from './draw';
 import { listen } from './gestures';
@@ -48,6 +54,14 @@ export function Timeline() {
   const ids = createMemo(() => rows().slice(shown().first, shown().end).map((row) => row.id), [], { equals: (a, b) => a.join('\n') === b.join('\n') });
   const density = createDensity(ids, () => wider(view()), () => area().width * 2, 1_000_000_000n);
 
+  const eventful = createMemo(() => rows().slice(shown().first, shown().end).map((row) => ({ id: row.id, entities: entitiesOf(row) })).filter((row) => row.entities.length > 0));
+  const lanes = createLanes(createMemo(() => [...new Set(eventful().flatMap((row) => row.entities))], [], { equals: (a, b) => a.join('\n') === b.join('\n') }), view, () => area().width * 2);
+  const events = createMemo<ReadonlyMap<string, EventLane>>(() => {
+    const data = lanes.data();
+    return new Map(data ? eventful().map((row) => [row.id, laneOf(row.entities, data.snapshots, data.executions, data.dense)]) : []);
+  });
+  createEffect(() => setOnScreen(lanes.data()?.executions ?? new Map()));
+
   const lanePlaces = createMemo(() => new Map(rows().map((row, i) => [row.id, i])));
   const linkLines = () => {
     const found = selectedLinks();
@@ -63,7 +77,7 @@ export function Timeline() {
     });
   };
 
-  const laneView = (): LaneView => ({ rows: rows(), first: shown().first, scrollTop: scrollTop(), width: area().width, height: lanesHeight(), span: view(), last: last(), selected: selected(), densities: density.data() });
+  const laneView = (): LaneView => ({ rows: rows(), first: shown().first, scrollTop: scrollTop(), width: area().width, height: lanesHeight(), span: view(), last: last(), selected: selected(), densities: density.data(), events: events(), execution: toldExecution() });
   const overlay = (): Overlay => ({ span: view(), ...area(), cursor: cursor(), hover: hover(), selection: selection(), last: last(), marks: marks(), links: linkLines() });
   const paintLanes = perFrame(() => {
     const { width } = area();
@@ -76,8 +90,25 @@ export function Timeline() {
     if (width === 0) return;
     drawOverlay(sized(overlayCanvas, width, height), overlay(), theme());
   });
-  createEffect(() => { area(); rows(); shown(); scrollTop(); view(); last(); selected(); density.data(); theme(); paintLanes(); });
+  createEffect(() => { area(); rows(); shown(); scrollTop(); view(); last(); selected(); density.data(); events(); toldExecution(); theme(); paintLanes(); });
   createEffect(() => { area(); view(); cursor(); hover(); selection(); last(); marks(); selectedLinks(); rows(); scrollTop(); theme(); paintOverlay(); });
+
+  /** The row at a place of the surface, and the bar or mark that lies there. */
+  const under = (x: number, y: number): { row: Row | undefined; hit: Hit | undefined } => {
+    const index = Math.floor((y - kAxisHeight + scrollTop()) / kRowHeight);
+    const row = y < kAxisHeight ? undefined : rows()[index];
+    const lane = row && events().get(row.id);
+    const place: LanePlace = { span: view(), width: area().width, y: index * kRowHeight - scrollTop() + kAxisHeight, height: kRowHeight - 1, last: last() };
+    return { row, hit: lane && hitAt(lane, x, y, place) };
+  };
+  /** Chooses an execution where it was clicked, or what a mark stands for. */
+  const goTo = (hit: Hit, at: bigint): void => {
+    if ('mark' in hit) return follow(hit.mark.id);
+    const { entity, start, end } = hit.execution;
+    setSelected(entity);
+    setCursor(at < start ? start : end !== undefined && at > end ? end : at, false);
+    setClicked({ entity, start });
+  };
 
   onMount(() => {
     const time = (x: number) => timeAt(Math.max(0, Math.min(area().width, x)), view(), area().width);
@@ -89,14 +120,22 @@ export function Timeline() {
       },
       hover: (x) => setHover(x === null ? null : time(x)),
       pick: (x, y) => {
+        const { row, hit } = under(x, y);
+        if (hit) return goTo(hit, time(x));
         setCursor(time(x), false);
-        const row = rows()[Math.floor((y - kAxisHeight + scrollTop()) / kRowHeight)];
         if (row?.isEntity) setSelected(row.id);
       },
       scrub: (x) => setCursor(time(x), false),
       select: (from, to) => selectSpan({ from: time(from), to: time(to) }),
       isScrubbing: (y) => y < kAxisHeight,
     }));
+    const tell = (event: PointerEvent): void => {
+      const box = surface.getBoundingClientRect();
+      const { hit } = under(event.clientX - box.left, event.clientY - box.top);
+      surface.title = hit && event.buttons === 0 ? describeHit(hit) : '';
+    };
+    surface.addEventListener('pointermove', tell);
+    onCleanup(() => surface.removeEventListener('pointermove', tell));
   });
 
   const keepVisible = (index: number): void => {
@@ -128,7 +167,7 @@ export function Timeline() {
         </span>
       </div>
       <Minimap />
-      <div class="timeline-head muted"><Legend /></div>
+      <div class="timeline-head muted"><Show when={isOfSkills(selected())} fallback={<Legend />}><OutcomeLegend /></Show></div>
       <div class="lanes" ref={scroller} onScroll={() => setScrollTop(scroller.scrollTop)}>
         <Names rows={rows()} shown={shown()} onToggle={(row) => void toggleRow(row)} />
       </div>
@@ -138,7 +177,7 @@ export function Timeline() {
           <canvas class="lanes-canvas" ref={lanesCanvas} aria-hidden="true" />
           <canvas class="overlay-canvas" ref={overlayCanvas} aria-hidden="true" />
         </div>
-        <Show when={density.error()}><p class="surface-error" role="alert">{density.error()} <button onClick={density.retry}>Try again</button></p></Show>
+        <Show when={density.error() || lanes.error()}>{(problem) => <p class="surface-error" role="alert">{problem()} <button onClick={() => { density.retry(); lanes.retry(); }}>Try again</button></p>}</Show>
         <Show when={selection()}>{(span) => (
           <div class="selection-bar">
             <span>{formatDuration(lengthOf(span()))} selected</span>

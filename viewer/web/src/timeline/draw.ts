@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws lanes: which snapshots there are, and in which form.
 import type { Density } from '../api/binary';
-import { SvgPen, type Pen } from '../ui/svg';
+import { drawEvents, type ChosenExecution } from '../skills/draw';
+import type { EventLane } from '../skills/lanes';
+import type { Pen } from '../ui/svg';
 import type { Theme } from '../ui/theme';
 import { xOf, type Span } from '../time/span';
 import { ticksOf } from '../time/ticks';
 import type { Densities } from './density';
+import { hatching } from './hatching';
 import { kRowHeight, type Row } from './layout';
 
 const kForms = ['recorded', 'latent', 'augmented'] as const;
@@ -45,28 +48,6 @@ export function drawLane(c: Pen, density: Density, bars: Bars, y: number, height
   }
 }
 
-let hatch: { key: string; pattern: CanvasPattern } | undefined;
-
-/** Thin diagonals: what is not there yet. */
-export function hatching(c: Pen, colour: string): CanvasPattern | string {
-  if (c instanceof SvgPen) return c.hatch(colour);
-  if (hatch?.key === colour) return hatch.pattern;
-  const tile = document.createElement('canvas');
-  tile.width = tile.height = 16;
-  const t = tile.getContext('2d')!;
-  t.strokeStyle = colour;
-  t.lineWidth = 1.5;
-  for (const shift of [-8, 0, 8, 16]) {
-    t.moveTo(shift - 1, 17);
-    t.lineTo(shift + 17, -1);
-  }
-  t.stroke();
-  const pattern = t.createPattern(tile, 'repeat');
-  if (!pattern) return colour;
-  hatch = { key: colour, pattern };
-  return pattern;
-}
-
 /** Hatches everything behind the last snapshot. */
 export function drawFuture(c: Pen, last: bigint, span: Span, width: number, height: number, theme: Theme): void {
   const x = Math.max(0, xOf(last, span, width));
@@ -89,6 +70,9 @@ export interface LaneView {
   readonly last: bigint;
   readonly selected: string;
   readonly densities: Densities | undefined;
+  /** What rows of skills and drives show in the place of counts. */
+  readonly events: ReadonlyMap<string, EventLane>;
+  readonly execution: ChosenExecution | null;
 }
 
 export function drawLanes(c: Pen, view: LaneView, theme: Theme): void {
@@ -105,6 +89,11 @@ export function drawLanes(c: Pen, view: LaneView, theme: Theme): void {
     }
     c.fillStyle = theme.line;
     c.fillRect(0, y + kRowHeight - 1, view.width, 1);
+    const events = view.events.get(row.id);
+    if (events) {
+      drawEvents(c, events, view.execution, { span: view.span, width: view.width, y, height: kRowHeight - 1, last: view.last }, theme);
+      continue;
+    }
     const density = view.densities?.lanes.get(row.id);
     if (!density || !bars) continue;
     // Groups are thin and quiet: their entities below tell the same in full.

@@ -6,10 +6,12 @@ export interface Theme {
   readonly ink: string; readonly dim: string; readonly faint: string; readonly line: string; readonly panel: string; readonly stripe: string;
   readonly accent: string; readonly hover: string; readonly select: string; readonly mark: string;
   readonly recorded: string; readonly latent: string; readonly augmented: string; readonly predicted: string;
+  /** How executions of skills end. */
+  readonly running: string; readonly success: string; readonly failure: string; readonly stopped: string; readonly lost: string;
   readonly series: readonly string[];
 }
 
-const kNames = ['ink', 'dim', 'faint', 'line', 'panel', 'stripe', 'accent', 'hover', 'select', 'mark', 'recorded', 'latent', 'augmented', 'predicted'] as const;
+const kNames = ['ink', 'dim', 'faint', 'line', 'panel', 'stripe', 'accent', 'hover', 'select', 'mark', 'recorded', 'latent', 'augmented', 'predicted', 'running', 'success', 'failure', 'stopped', 'lost'] as const;
 
 function read(): Theme {
   const style = getComputedStyle(document.documentElement);

@@ -5,7 +5,7 @@ import 'uplot/dist/uPlot.min.css';
 import { formatNumber } from '../../time/format';
 import { xOf, type Span } from '../../time/span';
 import { ticksOf } from '../../time/ticks';
-import { hatching } from '../../timeline/draw';
+import { hatching } from '../../timeline/hatching';
 import { kFont, type Pen } from '../../ui/svg';
 import type { Theme } from '../../ui/theme';
 import { rangeOf, splitsOf, type Plotted } from './data';
