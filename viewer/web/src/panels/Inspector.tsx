@@ -4,6 +4,7 @@ import { getJson } from '../api/client';
 import { links, type Links, type Member, type Moment } from '../api/types';
 import { copy, momentQuery, pythonLine } from '../state/actions';
 import { setSelectedLinks } from '../state/links';
+import { parseId } from '../state/ids';
 import { createMembers, createMoment } from '../state/moment';
 import { createRequest } from '../state/request';
 import { openPanel, selected, type Panel } from '../state/store';
@@ -13,6 +14,7 @@ import { LinkChip } from '../ui/LinkChip';
 import { Empty, PanelFrame } from '../ui/PanelFrame';
 import { SourceTag } from '../ui/SourceTag';
 import { createCame, ForetoldPart } from './foretold/ForetoldPart';
+import { isTold, ToldPart } from './told/ToldPart';
 import { TracePart } from './trace/TracePart';
 import { describe } from './values';
 
@@ -45,6 +47,7 @@ export function Inspector(props: { panel: Panel }) {
           {(here) => <>
             <Facts moment={here()} />
             <Show when={came()}>{(both) => <ForetoldPart came={both()} />}</Show>
+            <Show when={isTold(selected()) && parseId(here().id).entity === selected() && here().source !== 'predicted'}><ToldPart moment={here()} /></Show>
             <Show when={ownLinks()}>{(found) => <Chips links={found()} />}</Show>
             <Show when={here().source !== 'predicted'}><TracePart panel={props.panel} id={here().id} /></Show>
             <Index each={here().instances}>{(instance) => (
