@@ -13,6 +13,7 @@ import { createSize } from '../../ui/size';
 import { theme } from '../../ui/theme';
 import { createClouds } from './clouds';
 import { cloudObject } from './pointCloud';
+import { createNavigation } from './navigation';
 import { frameOfPath, isInWorld, type Placed } from './poses';
 import { createSources, type Found } from './sources';
 import { createStanding } from './stand';
@@ -32,6 +33,7 @@ export default function ScenePanel(props: { panel: Panel }) {
   const [problem, setProblem] = createSignal('');
   const [world, setWorld] = createSignal<World>();
   const option = (key: string, otherwise: string) => props.panel.options[key] ?? otherwise;
+  const isOn = (key: string) => option(key, '1') === '1';
   const ahead = () => BigInt(kHorizons.some(([value]) => value === option('h', '0')) ? option('h', '0') : '0');
   const sources = createSources();
   const withPlaces = (all: readonly Found[], signal: AbortSignal): Promise<Seen[]> => Promise.all(all.map(async (one) => ({ ...one, places: await sources.placesOf(one, signal) })));
@@ -65,14 +67,21 @@ export default function ScenePanel(props: { panel: Panel }) {
     };
   };
   const showClouds = shower('cloud');
-  const clouds = createClouds(sources, () => option('p', '1') === '1', (all) => { const { accent, faint } = theme(); showClouds(all.map((cloud) => cloudObject(cloud, accent, faint))); });
+  const clouds = createClouds(sources, () => isOn('p'), (all) => { const { accent, faint } = theme(); showClouds(all.map((cloud) => cloudObject(cloud, accent, faint))); });
+  const showFloor = { map: shower('map'), plan: shower('plan') };
+  const navigation = createNavigation(sources, { map: () => isOn('c'), plans: () => isOn('w'), places: () => isOn('l') }, (kind, objects) => showFloor[kind](objects));
+  // The picture is fitted to what comes first, and that shall not be the flags alone.
+  const flags = () => (found.data() === undefined && placeable().length > 0 ? [] : navigation.flags()).map(({ id, name, pose: [x, y, heading] }): Thing => ({
+    id, label: name, isPredicted: false, isChosen: id === selected(), isFlag: true,
+    placed: { path: 'pose_world_location', position: [x, y, 0], orientation: [Math.cos(heading / 2), 0, 0, Math.sin(heading / 2)], isCamera: false },
+  }));
   const newest = createMemo<Seen[]>(() => {
     const next = new Map((foreseen.data() ?? []).map((one) => [one.id, one]));
     return (found.data() ?? []).map((one) => next.get(one.id) ?? one);
   });
   createViews(newest, shower('view'));
-  const things = createMemo<Thing[]>(() => newest().flatMap((one) => one.places.map((placed) => ({ id: one.id, label: shortName(one.id), placed, isPredicted: one.moment.source === 'predicted', isChosen: one.id === selected() }))));
-  const isEmpty = () => placeable().length === 0 && !standing.isThere() && !clouds.isPossible();
+  const things = createMemo<Thing[]>(() => newest().flatMap((one) => one.places.map((placed) => ({ id: one.id, label: shortName(one.id), placed, isPredicted: one.moment.source === 'predicted', isChosen: one.id === selected() }))).concat(flags()));
+  const isEmpty = () => placeable().length === 0 && !standing.isThere() && !clouds.isPossible() && !navigation.isThere();
   let host!: HTMLDivElement;
   onMount(() => {
     try {
@@ -89,15 +98,16 @@ export default function ScenePanel(props: { panel: Panel }) {
   });
   const [isTable, setTable] = createSignal(false);
   const isShownAsTable = () => isTable() || problem() !== '';
-  const notes = () => [...standing.notes(), ...clouds.notes()];
+  const notes = () => [...standing.notes(), ...clouds.notes(), ...navigation.notes()];
+  const toggles = () => ([['p', 'points', clouds.isPossible()], ['c', 'cost map', navigation.hasMaps()], ['w', 'plan', navigation.hasPlans()], ['l', 'places', navigation.hasPlaces()]] as const).filter(([, , isThere]) => isThere);
   return (
-    <PanelFrame panel={props.panel} icon="box" title="3-D scene" isBusy={found.isBusy() || foreseen.isBusy() || standing.isBusy() || clouds.isBusy()} error={problem() || found.error()}
+    <PanelFrame panel={props.panel} icon="box" title="3-D scene" isBusy={found.isBusy() || foreseen.isBusy() || standing.isBusy() || clouds.isBusy() || navigation.isBusy()} error={problem() || found.error()}
       actions={<>
         <IconButton icon="table" label="Show places as a table" isPressed={isTable()} onClick={() => setTable(!isTable())} />
         <IconButton icon="download" label="Save the scene as PNG" onClick={() => { const made = world(); if (made) void download(made.canvas, 'scene.png'); }} />
       </>}>
       <Show when={isEmpty()}><Empty title="Nothing has a place">Poses are dicts of a position and an orientation; no entity here has one.</Empty></Show>
-      <Show when={standing.isThere() || clouds.isPossible()}>
+      <Show when={standing.isThere() || toggles().length > 0}>
         <div class="bar">
           <Show when={standing.isThere()}>
             <label class="field">predict ahead
@@ -106,9 +116,8 @@ export default function ScenePanel(props: { panel: Panel }) {
               </select>
             </label>
           </Show>
-          <Show when={clouds.isPossible()}>
-            <label class="field"><input type="checkbox" checked={option('p', '1') === '1'} onChange={(event) => setOption(props.panel, 'p', event.currentTarget.checked ? '1' : '0')} />points</label>
-          </Show>
+          <For each={toggles()}>{([key, label]) => <label class="field"><input type="checkbox" checked={isOn(key)} onChange={(event) => setOption(props.panel, key, event.currentTarget.checked ? '1' : '0')} />{label}</label>}</For>
+          <Show when={navigation.hasMaps() && isOn('c')}><CostLegend /></Show>
         </div>
       </Show>
       {/* Always there, because three.js draws into it; entities may come later. */}
@@ -128,5 +137,14 @@ export default function ScenePanel(props: { panel: Panel }) {
       </Show>
       <Show when={notes().length > 0}><ul class="scene-notes" aria-label="Notes on the scene"><For each={notes()}>{(note) => <li>{note}</li>}</For></ul></Show>
     </PanelFrame>
+  );
+}
+
+/** The colours of costs, as RViz has them. */
+function CostLegend() {
+  return (
+    <span class="legend costs" aria-label="Colours of the cost map">
+      <For each={[['near', 'near an obstacle'], ['touch', 'the robot would touch'], ['obstacle', 'obstacle'], ['unknown', 'unknown']] as const}>{([name, what]) => <span class="key"><i class={`cost-${name}`} />{what}</span>}</For>
+    </span>
   );
 }

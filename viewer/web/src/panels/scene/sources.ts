@@ -14,14 +14,20 @@ const kMaxEntities = 64;
 /** Nobody tells what is written to a store, or forgotten on a server. */
 const kMaxAgeMs = { store: 2_000, live: 60_000 } as const;
 
-export type Role = 'place' | 'cloud' | 'description' | 'joints' | 'base';
+export type Role = 'place' | 'cloud' | 'description' | 'joints' | 'base' | 'floor' | 'plan' | 'drive' | 'location';
 
 const kBase = /platform|localization|base/i;
 const kJoints = /joint|proprioception|encoder/i;
 const kDescription = /descri|urdf|robot_?model/i;
 
+/** What navigation keeps (docs/navigation.md); their poses are drawn as what they mean. */
+const kNavigation: Record<string, Role> = { CostMap: 'floor', Plan: 'plan', Event: 'drive', Location: 'location' };
+
 /** What the scene wants of an entity, by its kinds, or by its name where these are not known. */
 export function rolesOf(node: Pick<TreeNode, 'id' | 'kinds'>): readonly Role[] {
+  const [memory, core] = node.id.split('/');
+  const navigation = memory === 'Navigation' ? kNavigation[core ?? ''] : undefined;
+  if (navigation) return [navigation];
   const has = (kind: string) => node.kinds?.includes(kind) ?? true;
   const roles: Role[] = [];
   if (has('text') && kDescription.test(node.id)) roles.push('description');

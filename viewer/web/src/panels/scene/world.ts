@@ -3,6 +3,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Theme } from '../../ui/theme';
+import { flagObject, kFlagHeight } from './floor';
 import { kHalfView } from './frame';
 import type { Placed } from './poses';
 
@@ -12,6 +13,8 @@ export interface Thing {
   readonly placed: Placed;
   readonly isPredicted: boolean;
   readonly isChosen: boolean;
+  /** A named place, which has a flag. */
+  readonly isFlag?: boolean;
 }
 
 export interface Anchor {
@@ -106,7 +109,7 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
     renderer.render(scene, camera);
     onAnchors(apart(shown.map((thing) => {
       const at = new THREE.Vector3(...thing.placed.position);
-      at.z += (thing.placed.size?.[2] ?? 0.1) / 2 + 0.04;
+      at.z += thing.isFlag ? kFlagHeight + 0.04 : (thing.placed.size?.[2] ?? 0.1) / 2 + 0.04;
       at.project(camera);
       return { id: thing.id, label: thing.label, isChosen: thing.isChosen, x: at.z > 1 ? -999 : ((at.x + 1) / 2) * size.width, y: ((1 - at.y) / 2) * size.height };
     })));
@@ -126,10 +129,10 @@ export function createWorld(onAnchors: (anchors: readonly Anchor[]) => void): Wo
   controls.addEventListener('change', ask);
 
   const objectOf = (thing: Thing, theme: Theme): THREE.Object3D => {
-    const colour = new THREE.Color(thing.isPredicted ? theme.predicted : thing.isChosen ? theme.accent : ownColour(thing, theme));
+    const colour = new THREE.Color(thing.isPredicted ? theme.predicted : thing.isChosen ? theme.accent : thing.isFlag ? theme.mark : ownColour(thing, theme));
     const { placed } = thing;
-    const object = placed.isCamera ? frustum(colour, placed.half ?? [kHalfView, kHalfView]) : placed.size ? boxOf(placed.size, colour, thing.isPredicted) : new THREE.Group();
-    if (!placed.isCamera) object.add(new THREE.AxesHelper(placed.size ? 0.12 : 0.3));
+    const object = thing.isFlag ? flagObject(colour) : placed.isCamera ? frustum(colour, placed.half ?? [kHalfView, kHalfView]) : placed.size ? boxOf(placed.size, colour, thing.isPredicted) : new THREE.Group();
+    if (!placed.isCamera && !thing.isFlag) object.add(new THREE.AxesHelper(placed.size ? 0.12 : 0.3));
     object.position.set(...placed.position);
     const [w, x, y, z] = placed.orientation;
     object.quaternion.set(x, y, z, w).normalize();
