@@ -4,6 +4,7 @@ import { createMemo } from 'solid-js';
 import { ApiError, getJson } from '../api/client';
 import { members, moment, type Member, type Moment } from '../api/types';
 import { formatTime } from '../time/format';
+import { namedMembers } from './joints';
 import { cursor, info, last, nodeOf, ownLast } from './store';
 import { createRequest, type Request } from './request';
 
@@ -36,7 +37,7 @@ const known = new Map<string, Promise<Member[]>>();
 export function membersOf(entity: string): Promise<Member[]> {
   let promise = known.get(entity);
   if (!promise) {
-    promise = getJson('members', { entity }, members).then((answer) => answer.members);
+    promise = getJson('members', { entity }, members).then((answer) => namedMembers(entity, answer.members));
     promise.catch(() => known.delete(entity));
     known.set(entity, promise);
   }

@@ -5,6 +5,7 @@ import { ApiError, getJson } from '../../api/client';
 import { Turns } from '../../api/turns';
 import { moment as momentDecoder, moments, type Moment, type TreeNode } from '../../api/types';
 import { parseId } from '../../state/ids';
+import { kDescriptionEntities, kJointEntities } from '../../state/joints';
 import { entities, info, newsOf, nodeOf } from '../../state/store';
 import { frameOf, kHalfView } from './frame';
 import { KeptMoments, type Wanted } from './kept';
@@ -17,8 +18,6 @@ const kMaxAgeMs = { store: 2_000, live: 60_000 } as const;
 export type Role = 'place' | 'cloud' | 'description' | 'joints' | 'base' | 'floor' | 'plan' | 'drive' | 'location';
 
 const kBase = /platform|localization|base/i;
-const kJoints = /joint|proprioception|encoder/i;
-const kDescription = /descri|urdf|robot_?model/i;
 
 /** What navigation keeps (docs/navigation.md); their poses are drawn as what they mean. */
 const kNavigation: Record<string, Role> = { CostMap: 'floor', Plan: 'plan', Event: 'drive', Location: 'location' };
@@ -30,8 +29,8 @@ export function rolesOf(node: Pick<TreeNode, 'id' | 'kinds'>): readonly Role[] {
   if (navigation) return [navigation];
   const has = (kind: string) => node.kinds?.includes(kind) ?? true;
   const roles: Role[] = [];
-  if (has('text') && kDescription.test(node.id)) roles.push('description');
-  if (has('number') && kJoints.test(node.id)) roles.push('joints');
+  if (has('text') && kDescriptionEntities.test(node.id)) roles.push('description');
+  if (has('number') && kJointEntities.test(node.id)) roles.push('joints');
   if ((has('number') || has('pose')) && kBase.test(node.id)) roles.push('base');
   if (has('depth') || has('cloud')) roles.push('cloud');
   if (has('pose') || roles.includes('base')) roles.push('place');
