@@ -37,18 +37,24 @@ export function keptWindow(before: Span | undefined, view: Span): Span {
   return isEnough ? before : wider(view);
 }
 
+/** Parts of a list: a question has at most 80 KiB, and a query at most 1,024 selectors. */
+export const partsOf = <T>(list: readonly T[], size: number): T[][] => Array.from({ length: Math.ceil(list.length / size) }, (_, i) => list.slice(i * size, (i + 1) * size));
+const kAskedAtOnce = 100;
+
 async function countsOf(ids: readonly string[], { from, to }: Span, signal: AbortSignal): Promise<Map<string, number>> {
-  const { buffer } = await getBinary('density', { entity: ids, from, to, pixels: 2 }, signal);
   const sum = (part: Uint32Array) => part.reduce((a, b) => a + b, 0);
-  return new Map(decodeDensity(buffer, ids.length, 2).map((lane, i) => [ids[i]!, sum(lane.recorded) + sum(lane.latent) + sum(lane.augmented)]));
+  const parts = await Promise.all(partsOf(ids, kAskedAtOnce).map(async (part) => {
+    const { buffer } = await getBinary('density', { entity: part, from, to, pixels: 2 }, signal);
+    return decodeDensity(buffer, part.length, 2).map((lane, i) => [part[i]!, sum(lane.recorded) + sum(lane.latent) + sum(lane.augmented)] as const);
+  }));
+  return new Map(parts.flat());
 }
 
 async function snapshotsOf(ids: readonly string[], { from, to }: Span, signal: AbortSignal): Promise<Map<string, Snapshot[]>> {
-  if (ids.length === 0) return new Map();
   // The event before the first one on the screen tells what ran there.
   const branch = (id: string) => `${queryNames(id)} @ ${isExecuted(id) ? `at-or-before:${formatTime(from)}, ` : ''}${formatTime(from)}..${formatTime(to)}`;
-  const { entities } = await getJson('query', { q: ids.map(branch).join(' ; ') }, queryAnswer, signal);
-  return new Map(entities.map((entity) => [entity.id, entity.snapshots.map((one) => ({ id: one.id, data: one.instances[0]?.data }))]));
+  const answers = await Promise.all(partsOf(ids, kAskedAtOnce).map((part) => getJson('query', { q: part.map(branch).join(' ; ') }, queryAnswer, signal)));
+  return new Map(answers.flatMap(({ entities }) => entities).map((entity) => [entity.id, entity.snapshots.map((one) => ({ id: one.id, data: one.instances[0]?.data }))]));
 }
 
 /** Outcomes of each pixel; where one has several, that of the highest number, so that no failure is hidden by a success. */

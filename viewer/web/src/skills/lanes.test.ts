@@ -2,7 +2,7 @@
 import { describe, expect, it } from 'vitest';
 import { SvgPen } from '../ui/svg';
 import type { Theme } from '../ui/theme';
-import { chosenFor, keptWindow } from './ask';
+import { chosenFor, keptWindow, partsOf } from './ask';
 import { drawEvents, hitAt, type LanePlace } from './draw';
 import { kOutcomes, packed, type Execution } from './executions';
 import { entitiesOf, laneOf, markOf, type EventLane } from './lanes';
@@ -43,6 +43,10 @@ describe('what is asked for', () => {
   it('is each event of skills with few of them, and pixels of the others', () => {
     expect([...chosenFor(new Map([['busy', 9000], ['b', 700], ['a', 600], ['c', 400]]), 1500)]).toEqual(['c', 'a']);
     expect([...chosenFor(new Map([['all', 1500]]), 1500)]).toEqual(['all']);
+  });
+  it('is asked for in parts that fit a question', () => {
+    expect(partsOf([1, 2, 3, 4, 5], 2)).toEqual([[1, 2], [3, 4], [5]]);
+    expect(partsOf([], 2)).toEqual([]);
   });
 });
 

@@ -68,8 +68,8 @@ export function createSources() {
   const kept = new KeptMoments(load);
   const roles = createMemo(() => {
     const all = entities().map((node) => ({ id: node.id, roles: rolesOf(node) })).filter((one) => one.roles.length > 0);
-    // A robot comes first where there are too many things.
-    const isOfRobot = (one: { roles: readonly Role[] }) => Number(one.roles.some((role) => role !== 'place' && role !== 'cloud'));
+    // A robot comes first where there are too many things or places.
+    const isOfRobot = (one: { roles: readonly Role[] }) => Number(one.roles.some((role) => role !== 'place' && role !== 'cloud' && role !== 'location'));
     return all.sort((a, b) => isOfRobot(b) - isOfRobot(a)).slice(0, kMaxEntities);
   });
   const idsOf = (role: Role): string[] => roles().filter((one) => one.roles.includes(role)).map((one) => one.id);

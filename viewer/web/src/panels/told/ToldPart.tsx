@@ -57,18 +57,16 @@ function Execution(props: { told: Told }) {
   const outcome = () => end()?.outcome ?? 'running';
   const reports = () => props.told.events.filter((one) => one.stage === 'report');
   const all = () => onScreen().get(props.told.key.entity) ?? [];
-  const go = (by: number) => {
-    const next = all()[all().findIndex((one) => one.start === props.told.key.start) + by];
-    if (next) goTo(props.told.key.entity, next.start);
-  };
+  const beside = (by: number) => { const here = all().findIndex((one) => one.start === props.told.key.start); return here < 0 ? undefined : all()[here + by]; };
+  const go = (by: number) => { const next = beside(by); if (next) goTo(next.entity, next.start); };
   return (
     <>
       <h3>
         <OutcomeSign outcome={outcome()} />{labelOf(props.told.key.entity, first()?.parameters ?? '')}
         <span class="muted">{kOutcomeWords[outcome()]}{end() ? ` after ${formatDuration(end()!.time - props.told.key.start)}` : ''}</span>
         <span class="steps">
-          <IconButton icon="arrow-left" label="Execution before on the screen" isDisabled={(all()[0]?.start ?? 0n) >= props.told.key.start} onClick={() => go(-1)} />
-          <IconButton icon="arrow-right" label="Next execution on the screen" isDisabled={(all().at(-1)?.start ?? 0n) <= props.told.key.start} onClick={() => go(1)} />
+          <IconButton icon="arrow-left" label="Execution before on the screen" isDisabled={!beside(-1)} onClick={() => go(-1)} />
+          <IconButton icon="arrow-right" label="Next execution on the screen" isDisabled={!beside(1)} onClick={() => go(1)} />
         </span>
       </h3>
       <Show when={end()?.reason}>{(reason) => <p class="reason">{reason()}</p>}</Show>
