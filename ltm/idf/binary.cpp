@@ -107,6 +107,11 @@ class Filler {
   }
   void bytes(std::span<const std::byte> bytes) {
     ENGRAM_CHECK(bytes.size() <= out_.size() - at_, "{} of {} bytes are taken", at_, out_.size());
+    // What was written where it goes stays there.
+    if (bytes.data() == out_.data() + at_) {
+      at_ += bytes.size();
+      return;
+    }
     if (is_past_caches_ && bytes.size() >= kPastCaches)
       copy_past_caches(bytes, out_.subspan(at_, bytes.size()));
     else if (!bytes.empty())

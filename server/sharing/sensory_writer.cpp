@@ -84,26 +84,77 @@ uint64_t SensoryRingWriter::lost_of(const Live& entry) const {
   return lost;
 }
 
-Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, size_t data_bytes,
-                                                           SteadyTime now, const Sync& sync) {
-  if (head_bytes > layout_.data_bytes() || data_bytes > layout_.data_bytes() - head_bytes ||
-      to_whole_lines(head_bytes + data_bytes) > layout_.data_bytes())
-    return resource_exhausted("sensory ring: an entry has {} bytes, needs at most {}",
-                              head_bytes + data_bytes, layout_.data_bytes());
-  const size_t bytes = to_whole_lines(head_bytes + data_bytes);
+template <typename HasRoom>
+bool SensoryRingWriter::free_until(const HasRoom& has_room, SteadyTime now, const Sync& sync) {
   while (!live_.empty() && now - live_.front().came > hold_) free_oldest();
-  std::optional<size_t> offset;
   std::vector<Live> crowded;
-  while (live_.size() >= layout_.slots() || !(offset = find_room(bytes))) {
+  bool is_free = has_room();
+  while (!is_free && !live_.empty()) {
     crowded.push_back(live_.front());
     free_oldest();
+    is_free = has_room();
   }
   announce(sync);
   for (const Live& entry : crowded) crowded_out_ += lost_of(entry);
   set(offsetof(SensoryLayout::Counts, crowded_out), crowded_out_, __ATOMIC_RELAXED);
+  return is_free;
+}
+
+Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, size_t data_bytes,
+                                                           SteadyTime now, const Sync& sync) {
+  const size_t max = layout_.data_bytes() - lent_;
+  if (head_bytes > max || data_bytes > max - head_bytes ||
+      to_whole_lines(head_bytes + data_bytes) > max)
+    return resource_exhausted("sensory ring: an entry has {} bytes, needs at most {}",
+                              head_bytes + data_bytes, max);
+  const size_t bytes = to_whole_lines(head_bytes + data_bytes);
+  std::optional<size_t> offset;
+  const auto has_room = [&] {
+    return live_.size() < layout_.slots() && (offset = find_room(bytes)).has_value();
+  };
+  if (!free_until(has_room, now, sync))
+    return resource_exhausted("sensory ring: what is lent leaves no {} bytes beside each other",
+                              bytes);
   reserved_ = {written_, 0, 0, *offset, head_bytes, data_bytes, 0};
   const std::span<std::byte> room = memory_.subspan(*offset, head_bytes + data_bytes);
-  return Room{room.first(data_bytes), room.subspan(data_bytes)};
+  return Room{room.first(data_bytes), room.subspan(data_bytes), *offset};
+}
+
+void SensoryRingWriter::occupy(size_t offset, size_t end) {
+  places_.emplace(offset, end);
+  used_ += end - offset;
+  next_ = end;
+  high_water_ = std::max(high_water_, end);
+}
+
+Result<SensoryRingWriter::Room> SensoryRingWriter::lend(size_t head_bytes, size_t data_bytes,
+                                                        SteadyTime now, const Sync& sync) {
+  const size_t max = layout_.data_bytes() / 2 - std::min(lent_, layout_.data_bytes() / 2);
+  if (head_bytes > max || data_bytes > max - head_bytes)
+    return resource_exhausted("sensory ring: {} bytes are lent, needs at most half of {}", lent_,
+                              layout_.data_bytes());
+  ENGRAM_ASSIGN_OR_RETURN(const Room room, reserve(head_bytes, data_bytes, now, sync));
+  const size_t bytes = to_whole_lines(head_bytes + data_bytes);
+  occupy(room.offset, room.offset + bytes);
+  lent_ += bytes;
+  return room;
+}
+
+void SensoryRingWriter::give_back(const Room& lent) {
+  const auto place = places_.find(lent.offset);
+  ENGRAM_CHECK(place != places_.end(), "nothing is lent at {}", lent.offset);
+  used_ -= place->second - lent.offset;
+  lent_ -= place->second - lent.offset;
+  places_.erase(place);
+}
+
+void SensoryRingWriter::take_back(const Room& lent, size_t head_bytes, SteadyTime now,
+                                  const Sync& sync) {
+  ENGRAM_CHECK(head_bytes <= lent.head.size(), "a head of {} of {} bytes", head_bytes,
+               lent.head.size());
+  free_until([this] { return live_.size() < layout_.slots(); }, now, sync);
+  give_back(lent);
+  reserved_ = {written_, 0, 0, lent.offset, head_bytes, lent.data.size(), 0};
 }
 
 uint64_t SensoryRingWriter::publish(uint64_t entities, Time first, SteadyTime now) {
@@ -119,10 +170,7 @@ uint64_t SensoryRingWriter::publish(uint64_t entities, Time first, SteadyTime no
     set(slot + i * sizeof(uint64_t), said[i], __ATOMIC_RELAXED);
   const size_t end = reserved_.offset + to_whole_lines(reserved_.head_bytes + reserved_.data_bytes);
   live_.push_back({written_, entities, reserved_.offset, end - reserved_.offset, now});
-  places_.emplace(reserved_.offset, end);
-  used_ += end - reserved_.offset;
-  next_ = end;
-  high_water_ = std::max(high_water_, end);
+  occupy(reserved_.offset, end);
   snapshots_ += static_cast<uint64_t>(std::popcount(entities));
   set(offsetof(SensoryLayout::Counts, written), written_ + 1, __ATOMIC_RELEASE);
   // Behind the entry, so that whoever counts knows of it what it counts.

@@ -24,10 +24,11 @@ class SensoryRingWriter {
   /// SensoryRingReader does (checked).
   SensoryRingWriter(std::span<std::byte> memory, const SensoryControl& control, Duration hold);
 
-  /// Room for one entry, until the next call of reserve().
+  /// Room for one entry: for its data, and behind them for its head.
   struct Room {
     std::span<std::byte> data;
     std::span<std::byte> head;
+    size_t offset = 0;  ///< In the ring's memory.
   };
 
   /// Asks the server to take what it still needs, and waits until it did. Nothing can be done where
@@ -35,11 +36,20 @@ class SensoryRingWriter {
   using Sync = std::function<void()>;
 
   /// Makes room for an entry. Entries whose time is over make room, then the oldest ones. The
-  /// server is asked while it can still read them; what it did not take is counted.
-  /// Errors: kResourceExhausted if the ring is smaller.
+  /// server is asked while it can still read them; what it did not take is counted. The room is
+  /// there until the next call.
+  /// Errors: kResourceExhausted if the ring is smaller, or what is lent leaves no room.
   Result<Room> reserve(size_t head_bytes, size_t data_bytes, SteadyTime now, const Sync& sync);
 
-  /// Shows the entry that reserve() made room for, with a snapshot of each of `entities`, of
+  /// The same, but the room stays until take_back() or give_back(). No more than half of the ring
+  /// is lent.
+  Result<Room> lend(size_t head_bytes, size_t data_bytes, SteadyTime now, const Sync& sync);
+  /// Has publish() show an entry in a room that was lent, with so much of its head.
+  void take_back(const Room& lent, size_t head_bytes, SteadyTime now, const Sync& sync);
+  /// Frees a room that was lent.
+  void give_back(const Room& lent);
+
+  /// Shows the entry that there is room for, with a snapshot of each of `entities`, of
   /// which the earliest is of the time `first`. Returns its number.
   uint64_t publish(uint64_t entities, Time first, SteadyTime now);
 
@@ -65,6 +75,10 @@ class SensoryRingWriter {
   /// Forgets the oldest entry; its bytes are free.
   void free_oldest();
   void announce(const Sync& sync);
+  /// Forgets entries until `has_room` says so. Returns what it said last.
+  template <typename HasRoom>
+  bool free_until(const HasRoom& has_room, SteadyTime now, const Sync& sync);
+  void occupy(size_t offset, size_t end);
   /// The snapshots of an entry that did not pass. Its entities passed up to some entry each.
   [[nodiscard]] uint64_t lost_of(const Live& entry) const;
 
@@ -73,14 +87,15 @@ class SensoryRingWriter {
   const Duration hold_;
   const SensoryLayout layout_;
   std::deque<Live> live_;            ///< The oldest first.
-  std::map<size_t, size_t> places_;  ///< Of those: the end by the offset.
+  std::map<size_t, size_t> places_;  ///< Of those and of what is lent: the end by the offset.
   uint64_t written_ = 0;
   uint64_t announced_ = 0;  ///< The first entry that is not overwritten, as others know it.
   uint64_t snapshots_ = 0;
   uint64_t crowded_out_ = 0;
   size_t next_ = 0;        ///< Where the last entry ended.
   size_t high_water_ = 0;  ///< No entry has gone beyond it.
-  size_t used_ = 0;        ///< Bytes of those that are there.
+  size_t used_ = 0;        ///< Bytes of those that are there, and of what is lent.
+  size_t lent_ = 0;        ///< Of these what is lent.
   SensoryEntry reserved_;
 };
 

@@ -112,6 +112,29 @@ TEST_F(SensoryRingTest, WhatPassedIsNotCrowdedOut) {
   EXPECT_EQ(reader_.crowded_out(), 1u);
 }
 
+TEST_F(SensoryRingTest, LendsRoomThatNothingElseTakes) {
+  const SteadyTime now = steady_now();
+  const auto nobody = [] {};
+  const auto lent = writer_.lend(16, 20'000, now, nobody);
+  ASSERT_OK(lent);
+  std::ranges::fill(lent->data, std::byte(99));
+  for (int i = 0; i < 200; ++i) write(7000, i % 90, now + i * 200ms);
+  for (const std::byte one : lent->data) ASSERT_EQ(one, std::byte(99));
+  EXPECT_FAILS(writer_.lend(16, 20'000, now, nobody), StatusCode::kResourceExhausted, "are lent");
+  EXPECT_FAILS(writer_.reserve(16, 45'000, now, nobody), StatusCode::kResourceExhausted, "needs");
+  std::ranges::fill(lent->head, std::byte(99));
+  writer_.take_back(*lent, 8, now + 40s, nobody);
+  const auto entry = reader_.find(writer_.publish(1, time_from_ns(1), now + 40s));
+  ASSERT_TRUE(entry.has_value());
+  EXPECT_EQ(entry->head_bytes, 8u);
+  EXPECT_EQ(read(entry->sequence), 99);
+  // It is free again after its time, as any other.
+  const auto again = writer_.lend(16, 20'000, now + 80s, nobody);
+  ASSERT_OK(again);
+  writer_.give_back(*again);
+  ASSERT_OK(writer_.lend(16, 25'000, now + 80s, nobody));
+}
+
 TEST_F(SensoryRingTest, SaysTheEarliestTimeOfAnEntry) {
   const auto entry = reader_.find(write(10, 7, steady_now()));
   ASSERT_TRUE(entry.has_value());
