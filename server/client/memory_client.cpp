@@ -3,22 +3,15 @@
 
 #include <engram/v1/memory.grpc.pb.h>
 
-#include <algorithm>
-#include <future>
-#include <map>
-#include <thread>
-
-#include "ltm/core/mutex.h"
 #include "ltm/idf/binary.h"
+#include "server/client/awaited.h"
 #include "server/client/calls.h"
+#include "server/client/commit_sender.h"
 #include "server/client/messages.h"
 #include "server/client/open_channel.h"
 #include "server/client/part_queue.h"
 #include "server/client/remote_subscription.h"
-#include "server/client/sensory_lane.h"
-#include "server/client/shared_lane.h"
 #include "server/wire/byte_message.h"
-#include "server/wire/polling_threads.h"
 #include "server/wire/wire_similar.h"
 #include "server/wire/wire_snapshot.h"
 #include "server/wire/wire_status.h"
@@ -27,49 +20,7 @@ namespace engram::server {
 
 namespace {
 
-constexpr auto kFirstRetry = std::chrono::milliseconds(20);
-/// How long the client waits before it asks again for shared memory that the server did not offer.
-constexpr auto kShareAgainAfter = std::chrono::seconds(1);
-constexpr auto kMaxRetry = std::chrono::milliseconds(500);
-/// As many as a server is believed to have.
-constexpr size_t kMaxSensorySegments = 1024;
-
-/// Calls `call`, and repeats it until `deadline` while it returns kUnavailable.
-template <typename Call>
-auto retried(SteadyTime deadline, const Call& call) -> decltype(call()) {
-  for (Duration wait = kFirstRetry;; wait = std::min<Duration>(2 * wait, kMaxRetry)) {
-    auto result = call();
-    const StatusCode code = [&] {
-      if constexpr (std::is_same_v<decltype(call()), Status>)
-        return result.code();
-      else
-        return result.status().code();
-    }();
-    if (code != StatusCode::kUnavailable || steady_now() + wait >= deadline) return result;
-    std::this_thread::sleep_for(wait);
-  }
-}
-
 using Async = v1::MemoryServer::StubInterface::async_interface;
-
-/// The value that a blocked caller waits for. It is shared with handlers, which may run after the
-/// caller has timed out.
-template <typename Value>
-struct Awaited {
-  std::promise<Value> promise;
-  std::atomic<bool> is_set{false};
-
-  void set(Value value) {
-    if (!is_set.exchange(true)) promise.set_value(std::move(value));
-  }
-};
-
-/// What commits over shared memory need.
-struct SharedCommits {
-  std::shared_ptr<SharedLane> lane;
-  std::shared_ptr<Calls<v1::CommitReply>> calls;
-  std::shared_ptr<SensoryLane> sensory;
-};
 
 Forgotten to_forgotten(const v1::ForgetReply& reply) {
   Forgotten forgotten{{},
@@ -85,175 +36,15 @@ Forgotten to_forgotten(const v1::ForgetReply& reply) {
   return forgotten;
 }
 
-v1::Durability to_message(CommitDurability durability) {
-  return static_cast<v1::Durability>(durability);
-}
-
 }  // namespace
 
 struct MemoryClient::State {
   ClientOptions options;
   std::string endpoint;
-  bool is_local = false;  ///< Whether the server is reached by a Unix socket.
   std::shared_ptr<grpc::Channel> channel;
   std::unique_ptr<v1::MemoryServer::Stub> stub;
-  std::shared_ptr<Calls<v1::CommitReply>> commits;
+  std::optional<CommitSender> commits;
   std::shared_ptr<Calls<v1::QueryReply>> queries;
-
-  Mutex sharing_mutex;
-  SharedCommits sharing ENGRAM_GUARDED_BY(sharing_mutex);
-  /// The earliest time for the next try.
-  SteadyTime share_again ENGRAM_GUARDED_BY(sharing_mutex){};
-
-  /// The sensory segments that the server told of so far. Most servers have none.
-  std::atomic<bool> has_sensory{false};
-  SharedMutex sensory_mutex;
-  std::vector<ltm::MemoryId> sensory ENGRAM_GUARDED_BY(sensory_mutex);
-
-  /// Returns the shared memory with the server. Asks the server for it if there is none; returns an
-  /// empty value if the server is on another host or does not offer it.
-  SharedCommits shared() ENGRAM_EXCLUDES(sharing_mutex) {
-    const MutexLock lock(sharing_mutex);
-    if (sharing.lane && sharing.lane->is_alive()) return sharing;
-    if (sharing.calls) sharing.calls->close();
-    sharing = {};
-    if (!is_local || steady_now() < share_again) return {};
-    sharing.lane = SharedLane::open(*stub, options);
-    if (!sharing.lane) {
-      share_again = steady_now() + kShareAgainAfter;
-      return {};
-    }
-    sharing.calls = std::make_shared<Calls<v1::CommitReply>>(
-        channel, "/engram.v1.MemoryServer/Commit", options.token, sharing.lane->session());
-    sharing.sensory = std::make_shared<SensoryLane>(
-        sharing.lane, [this, calls = sharing.calls](v1::CommitRequest request) {
-          return ask_for_commit(*calls, std::move(request));
-        });
-    return sharing;
-  }
-
-  /// Sends a request and waits for its reply.
-  /// Errors: that of the reply; kUnavailable.
-  Result<v1::CommitReply> ask_for_commit(Calls<v1::CommitReply>& calls, v1::CommitRequest request) {
-    auto awaited = std::make_shared<Awaited<Result<v1::CommitReply>>>();
-    send(calls, request,
-         {[awaited](v1::CommitReply& reply) {
-            if (const Status status = to_status(reply.outcome()); !status.ok())
-              awaited->set(status);
-            else
-              awaited->set(std::move(reply));
-            return true;
-          },
-          [awaited](const Status& status) { awaited->set(status); }});
-    return wait(awaited, steady_now() + options.timeout);
-  }
-
-  static void send(Calls<v1::CommitReply>& calls, v1::CommitRequest& request,
-                   Calls<v1::CommitReply>::Pending pending) {
-    calls.call(
-        [&request](uint64_t number) {
-          request.set_number(number);
-          return to_bytes(request);
-        },
-        std::move(pending));
-  }
-
-  /// Notes which segments are sensory: their next commits need not be sent.
-  void learn(const v1::CommitReply& reply) ENGRAM_EXCLUDES(sensory_mutex) {
-    if (!is_local || reply.sensory_size() == 0) return;
-    const ExclusiveLock lock(sensory_mutex);
-    for (const std::string& text : reply.sensory()) {
-      auto id = ltm::MemoryId::parse(text);
-      if (!id.ok() || std::ranges::find(sensory, *id) != sensory.end()) continue;
-      if (sensory.size() >= kMaxSensorySegments) return;
-      sensory.push_back(*std::move(id));
-      has_sensory = true;
-    }
-  }
-
-  [[nodiscard]] bool is_sensory(const ltm::Commit& commit) ENGRAM_EXCLUDES(sensory_mutex) {
-    if (!has_sensory) return false;
-    const SharedLock lock(sensory_mutex);
-    return std::ranges::all_of(
-        commit.updates,
-        [this](const ltm::EntityUpdate& update) ENGRAM_REQUIRES_SHARED(sensory_mutex) {
-          return std::ranges::any_of(
-              sensory, [&](const ltm::MemoryId& id) { return id.is_prefix_of(update.entity); });
-        });
-  }
-
-  /// Writes a commit into the client's ring, and tells the server where somebody attends. Returns
-  /// false if it must be sent. A durable commit must not be lost, so it is sent.
-  bool hold(const ltm::Commit& commit, CommitDurability durability,
-            const std::function<void(const Status&)>& done) {
-    if (durability == CommitDurability::kJournal || !is_sensory(commit) || !commit.check().ok())
-      return false;
-    const SharedCommits with = shared();
-    if (!with.sensory) return false;
-    auto written = with.sensory->write(commit);
-    if (!written) return false;
-    if (!written->ok() || !(*written)->is_attended) {
-      done(written->status());
-      return true;
-    }
-    v1::CommitRequest request;
-    *request.mutable_entry() = (*written)->entry;
-    send(*with.calls, request,
-         {[done](v1::CommitReply& reply) {
-            done(to_status(reply.outcome()));
-            return true;
-          },
-          done});
-    return true;
-  }
-
-  /// Returns a block to write into, or nothing if the server has no room.
-  std::optional<BlockRef> lease(const SharedCommits& with, const std::string& memory,
-                                size_t bytes) {
-    // A lease of an earlier commit saves a round trip to the server before this commit.
-    if (auto kept = with.lane->take_lease(memory, bytes)) return kept;
-    v1::CommitRequest request;
-    request.set_lease_bytes(bytes);
-    request.set_lease_memory(memory);
-    const auto reply = ask_for_commit(*with.calls, std::move(request));
-    return reply.ok() && reply->has_block() ? std::optional(to_block(reply->block()))
-                                            : std::nullopt;
-  }
-
-  /// Sends a commit through shared memory. Returns false if that is impossible: the caller then
-  /// sends it through the stream.
-  bool share(const ltm::Commit& commit, CommitDurability durability,
-             const std::function<void(const Status&)>& done) {
-    const size_t bytes = bytes_in_block(commit);
-    const auto memory = memory_of(commit);
-    // A block belongs to one memory, because its readers can read all of it.
-    if (bytes < kSharedPayloadBytes || !memory) return false;
-    const SharedCommits with = shared();
-    if (!with.lane) return false;
-    const auto block = lease(with, *memory, bytes);
-    if (!block) return false;
-    const auto out = with.lane->memory().writable(*block);
-    if (!out.ok()) return false;
-    v1::CommitRequest request;
-    request.set_durability(to_message(durability));
-    if (const Status written = write_in_block(commit, *out, request); !written.ok()) {
-      with.lane->keep_lease(*memory, *block);
-      done(written);
-      return true;
-    }
-    *request.mutable_block() = to_message(*block);
-    request.set_lease_bytes(bytes);
-    request.set_lease_memory(*memory);
-    send(*with.calls, request,
-         {[this, done, lane = with.lane, memory = *memory](v1::CommitReply& reply) {
-            learn(reply);
-            if (reply.has_block()) lane->keep_lease(memory, to_block(reply.block()));
-            done(to_status(reply.outcome()));
-            return true;
-          },
-          done});
-    return true;
-  }
 
   using Answer = Result<ltm::QueryResult>;
 
@@ -283,7 +74,7 @@ struct MemoryClient::State {
     Answer answer = retried(last_try(deadline), [&]() -> Answer {
       auto awaited = std::make_shared<Awaited<Answer>>();
       ask(request, is_ids_only, [awaited](Answer one) { awaited->set(std::move(one)); });
-      return wait(awaited, deadline);
+      return wait_for(awaited, deadline, [this] { return timed_out(); });
     });
     return answer.ok() ? std::move(answer) : Answer(answer.status().with_context(endpoint));
   }
@@ -332,18 +123,6 @@ struct MemoryClient::State {
     return unavailable("server '{}': no answer within {}", endpoint, to_string(options.timeout));
   }
 
-  /// Waits for the value until `deadline`, then fails with a timeout.
-  template <typename Value>
-  Value wait(const std::shared_ptr<Awaited<Value>>& awaited, SteadyTime deadline) {
-    auto future = awaited->promise.get_future();
-    // A commit that was not sent is done already: nobody is to be woken for it.
-    if (awaited->is_set) return future.get();
-    const BlockingScope blocking;
-    if (future.wait_until(deadline) == std::future_status::ready) return future.get();
-    awaited->set(timed_out());
-    return future.get();
-  }
-
   template <typename Request, typename Reply>
   Status call(void (Async::*method)(grpc::ClientContext*, const Request*, Reply*,
                                     std::function<void(grpc::Status)>),
@@ -363,10 +142,6 @@ MemoryClient::MemoryClient(std::shared_ptr<State> state) : state_(std::move(stat
 
 MemoryClient::~MemoryClient() {
   state_->commits->close();
-  {
-    const MutexLock lock(state_->sharing_mutex);
-    if (state_->sharing.calls) state_->sharing.calls->close();
-  }
   state_->queries->close();
 }
 
@@ -376,11 +151,10 @@ Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& e
   auto state = std::make_shared<State>();
   state->options = options;
   state->endpoint = endpoint;
-  state->is_local = place.kind() == Endpoint::Kind::kUnix && options.shares_memory;
   ENGRAM_ASSIGN_OR_RETURN(state->channel, open_channel(place, options));
   state->stub = v1::MemoryServer::NewStub(state->channel);
-  state->commits = std::make_shared<Calls<v1::CommitReply>>(
-      state->channel, "/engram.v1.MemoryServer/Commit", options.token);
+  const bool shares = place.kind() == Endpoint::Kind::kUnix && options.shares_memory;
+  state->commits.emplace(options, endpoint, shares, state->channel, *state->stub);
   state->queries = std::make_shared<Calls<v1::QueryReply>>(
       state->channel, "/engram.v1.MemoryServer/Query", options.token);
   return std::unique_ptr<MemoryClient>(new MemoryClient(std::move(state)));
@@ -388,24 +162,11 @@ Result<std::unique_ptr<MemoryClient>> MemoryClient::connect(const std::string& e
 
 void MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability,
                           std::function<void(const Status&)> done) {
-  if (state_->hold(commit, durability, done) || state_->share(commit, durability, done)) return;
-  v1::CommitRequest request;
-  request.set_durability(to_message(durability));
-  for (const ltm::EntityUpdate& update : commit.updates) {
-    auto message = to_message(update);
-    if (!message.ok()) {
-      done(message.status());
-      return;
-    }
-    *request.add_updates() = *std::move(message);
-  }
-  State::send(*state_->commits, request,
-              {[state = state_.get(), done](v1::CommitReply& reply) {
-                 state->learn(reply);
-                 done(to_status(reply.outcome()));
-                 return true;
-               },
-               done});
+  state_->commits->send(commit, durability, done);
+}
+
+Result<Loan> MemoryClient::lend(std::span<const ArrayToLend> arrays) {
+  return state_->commits->lend(arrays);
 }
 
 Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durability) {
@@ -413,7 +174,7 @@ Status MemoryClient::commit(const ltm::Commit& commit, CommitDurability durabili
   const Status status = retried(state_->last_try(deadline), [&]() -> Status {
     auto awaited = std::make_shared<Awaited<Status>>();
     this->commit(commit, durability, [awaited](const Status& done) { awaited->set(done); });
-    return state_->wait(awaited, deadline);
+    return wait_for(awaited, deadline, [this] { return state_->timed_out(); });
   });
   return status.ok() ? status : status.with_context(state_->endpoint);
 }
@@ -537,7 +298,7 @@ Result<std::string> MemoryClient::metrics() {
 
 Result<std::unique_ptr<Subscription>> MemoryClient::subscribe(const SubscriptionOptions& options,
                                                               SubscriptionHandlers handlers) {
-  const auto lane = [state = state_]() { return state->shared().lane; };
+  const auto lane = [state = state_]() { return state->commits->lane(); };
   return subscribe_remotely(state_->channel, state_->options, options, std::move(handlers), lane);
 }
 

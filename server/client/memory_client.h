@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,26 +16,11 @@
 #include "ltm/memory/result.h"
 #include "ltm/prediction/engine_choice.h"
 #include "memory/memory.h"
+#include "server/client/client_options.h"
+#include "server/client/loan.h"
 #include "server/client/sent_context.h"
 
 namespace engram::server {
-
-/// How a client reaches servers.
-struct ClientOptions {
-  std::string token;  ///< Sent with each call; empty: no token is sent.
-  /// PEM file of the certificate authority that signed the certificates of servers on other
-  /// machines.
-  std::filesystem::path ca;
-  Duration timeout = std::chrono::seconds(10);  ///< For each call, retries included.
-  /// Whether a call is retried until the timeout while the server cannot be reached; otherwise the
-  /// call fails at once.
-  bool tries_again = true;
-  int max_message_bytes = 256 << 20;
-  /// Whether large payloads go through shared memory when the server is reached by a Unix socket. A
-  /// payload that a subscriber keeps occupies the server's shared memory until the subscriber frees
-  /// it.
-  bool shares_memory = true;
-};
 
 /// What a server reports about itself.
 struct ServerInfo {
@@ -95,6 +79,12 @@ class MemoryClient {
   /// The same without waiting or trying again; `done` is called by a thread of the client.
   void commit(const ltm::Commit& commit, CommitDurability durability,
               std::function<void(const Status&)> done);
+
+  /// Lends memory for the arrays of one commit. Where their segment is sensory and the server on
+  /// this host, it lies where the commit puts it, and nothing is copied then; elsewhere it is
+  /// memory of this process. Up to half of a ring is lent at a time.
+  /// Errors: kInvalidArgument for a shape that no array can have.
+  Result<Loan> lend(std::span<const ArrayToLend> arrays);
 
   /// Answers a query. `engine` names the engine of predictions; empty chooses the best one.
   /// `contexts` are those of entities of other servers that conditions name.

@@ -9,7 +9,7 @@
 #include <memory>
 
 #include "server/access/endpoint.h"
-#include "server/client/memory_client.h"
+#include "server/client/client_options.h"
 #include "server/wire/polling_threads.h"
 
 namespace engram::server {

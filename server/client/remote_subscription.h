@@ -3,7 +3,8 @@
 
 #include <grpcpp/channel.h>
 
-#include "server/client/memory_client.h"
+#include "memory/memory.h"
+#include "server/client/client_options.h"
 #include "server/client/shared_lane.h"
 
 namespace engram::server {

@@ -2,8 +2,11 @@
 #include "server/client/sensory_lane.h"
 
 #include <algorithm>
+#include <map>
 
+#include "ltm/core/check.h"
 #include "ltm/core/log.h"
+#include "ltm/idf/binary.h"
 #include "server/wire/polling_threads.h"
 #include "server/wire/wire_block.h"
 
@@ -12,6 +15,33 @@ namespace engram::server {
 namespace {
 
 constexpr auto kOpenAgainAfter = std::chrono::seconds(1);
+/// What is lent for what each snapshot says besides its data.
+constexpr size_t kLentHeadBytes = 1024;
+
+constexpr size_t aligned_in_room(size_t bytes) {
+  return (bytes + 7) / 8 * 8;
+}
+
+/// The bytes of the one array of a snapshot; none if it has something else.
+Buffer bytes_of_array(const ltm::EntityUpdate& update) {
+  if (update.instances.size() != 1) return {};
+  const auto* array = update.instances[0].data.get_if<idf::NdArray>();
+  return array == nullptr ? Buffer() : array->buffer();
+}
+
+/// Whether the arrays of a commit, and nothing else, lie where write_data() writes them.
+bool lies_in(const ltm::Commit& commit, std::span<const std::byte> room) {
+  size_t at = 0;
+  for (const ltm::EntityUpdate& update : commit.updates) {
+    const Buffer bytes = bytes_of_array(update);
+    if (bytes.empty()) return false;
+    const size_t size = idf::encoded_size(update.instances[0].data);
+    if (size > room.size() - at || bytes.data() != room.data() + at + size - bytes.size())
+      return false;
+    at += std::min(aligned_in_room(size), room.size() - at);
+  }
+  return at == room.size();
+}
 
 }  // namespace
 
@@ -27,6 +57,48 @@ struct SensoryLane::Ring {
   const Buffer control;
   Mutex writing;  ///< Entries are written one at a time.
   SensoryRingWriter writer ENGRAM_GUARDED_BY(writing);
+  struct LentRoom {
+    SensoryRingWriter::Room room;
+    const Lent* lent = nullptr;  ///< The owner of what is written there.
+  };
+  /// By where its data begin.
+  std::map<const std::byte*, LentRoom> lent ENGRAM_GUARDED_BY(writing);
+
+  /// The room that was lent for this commit, if its arrays lie there.
+  std::optional<SensoryRingWriter::Room> take_lent(const ltm::Commit& commit, size_t head_bytes)
+      ENGRAM_REQUIRES(writing) {
+    if (lent.empty() || commit.updates.empty()) return std::nullopt;
+    const Buffer first = bytes_of_array(commit.updates[0]);
+    auto found = lent.upper_bound(first.data());
+    if (first.empty() || found == lent.begin()) return std::nullopt;
+    --found;
+    const SensoryRingWriter::Room room = found->second.room;
+    // An array of an earlier loan may view the same bytes.
+    if (first.owner().get() != found->second.lent || head_bytes > room.head.size() ||
+        !lies_in(commit, room.data))
+      return std::nullopt;
+    lent.erase(found);
+    return room;
+  }
+};
+
+/// Owns what is lent: gives it back if it is not committed.
+struct SensoryLane::Lent {
+  Lent(std::shared_ptr<Ring> of, const std::byte* begins_at)
+      : ring(std::move(of)), begin(begins_at) {}
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
+  ~Lent() {
+    const BlockingScope blocking;
+    const MutexLock lock(ring->writing);
+    const auto found = ring->lent.find(begin);
+    if (found == ring->lent.end() || found->second.lent != this) return;
+    ring->writer.give_back(found->second.room);
+    ring->lent.erase(found);
+  }
+
+  const std::shared_ptr<Ring> ring;  ///< Keeps its memory mapped.
+  const std::byte* const begin;
 };
 
 std::optional<SensoryLane::Target> SensoryLane::find_known(const ltm::Commit& commit,
@@ -111,6 +183,14 @@ void SensoryLane::forget(const std::shared_ptr<Ring>& ring) {
   std::erase_if(places_, [&](const auto& one) { return one.second.ring == ring; });
 }
 
+void SensoryLane::sync(uint64_t ring, uint64_t written) const {
+  v1::CommitRequest request;
+  request.mutable_entry()->set_ring(ring);
+  request.mutable_entry()->set_written(written);
+  if (const auto taken = ask_(std::move(request)); !taken.ok())
+    log::debug("sensory ring: {}", taken.status().to_string());
+}
+
 std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit& commit) {
   const auto target = find(commit);
   if (!target) return std::nullopt;
@@ -128,15 +208,18 @@ std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit
     const BlockingScope blocking;
     const MutexLock lock(ring.writing);
     const auto sync = [&]() ENGRAM_REQUIRES(ring.writing) {
-      v1::CommitRequest request;
-      *request.mutable_entry() = written.entry;
-      request.mutable_entry()->set_written(ring.writer.written());
-      if (const auto taken = ask_(std::move(request)); !taken.ok())
-        log::debug("sensory ring: {}", taken.status().to_string());
+      this->sync(ring.id, ring.writer.written());
     };
-    auto room = ring.writer.reserve(head_bytes, head.block_bytes(), steady_now(), sync);
-    // The server says what is too large for it.
-    if (!room.ok()) return std::nullopt;
+    auto room = ring.take_lent(commit, head_bytes);
+    if (room) {
+      ring.writer.take_back(*room, head_bytes, steady_now(), sync);
+      room->head = room->head.first(head_bytes);
+    } else {
+      auto reserved = ring.writer.reserve(head_bytes, head.block_bytes(), steady_now(), sync);
+      // The server says what is too large for it.
+      if (!reserved.ok()) return std::nullopt;
+      room = *reserved;
+    }
     if (Status status = write_data(commit, room->data, ReadBack::kSeldom); !status.ok())
       return status;
     if (!head.SerializeToArray(room->head.data(), static_cast<int>(head_bytes)))
@@ -150,6 +233,44 @@ std::optional<Result<SensoryLane::Written>> SensoryLane::write(const ltm::Commit
   if (!is_closed) return written;
   forget(target->ring);
   return std::nullopt;
+}
+
+std::optional<Loan> SensoryLane::lend(std::span<const ArrayToLend> arrays,
+                                      const ltm::Commit& named) {
+  const auto target = find(named);
+  if (!target) return std::nullopt;
+  Ring& ring = *target->ring;
+  // Where each array begins follows from its type and shape; a view of any bytes tells.
+  std::vector<std::pair<size_t, size_t>> spans;  // The first byte and the number of them.
+  size_t data_bytes = 0;
+  for (const ArrayToLend& one : arrays) {
+    const size_t bytes = idf::size_bytes(one.type, one.shape).value_or(SIZE_MAX);
+    if (bytes == 0 || bytes > ring.entries.bytes.size()) return std::nullopt;
+    const auto array = idf::NdArray::create(
+        one.type, one.shape, Buffer(ring.entries.owner, ring.entries.bytes.first(bytes)));
+    if (!array.ok()) return std::nullopt;
+    const size_t size = idf::encoded_size(*array);
+    spans.emplace_back(data_bytes + size - bytes, bytes);
+    data_bytes += aligned_in_room(size);
+  }
+  const BlockingScope blocking;
+  const MutexLock lock(ring.writing);
+  const auto sync = [&]() ENGRAM_REQUIRES(ring.writing) {
+    this->sync(ring.id, ring.writer.written());
+  };
+  const auto room =
+      ring.writer.lend(kLentHeadBytes * arrays.size(), data_bytes, steady_now(), sync);
+  if (!room.ok()) return std::nullopt;
+  const auto lent = std::make_shared<const Lent>(target->ring, room->data.data());
+  ring.lent[room->data.data()] = {*room, lent.get()};
+  std::vector<Loan::Place> places;
+  for (size_t i = 0; i < arrays.size(); ++i) {
+    const std::span<std::byte> bytes = room->data.subspan(spans[i].first, spans[i].second);
+    auto array = idf::NdArray::create(arrays[i].type, arrays[i].shape, Buffer(lent, bytes));
+    ENGRAM_CHECK(array.ok(), "{}", array.status().message());
+    places.push_back({bytes, *std::move(array)});
+  }
+  return Loan(std::move(places), true);
 }
 
 }  // namespace engram::server

@@ -6,10 +6,12 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <unordered_map>
 
 #include "ltm/core/mutex.h"
 #include "ltm/memory/commit.h"
+#include "server/client/loan.h"
 #include "server/client/shared_lane.h"
 #include "server/sharing/sensory_writer.h"
 
@@ -40,7 +42,12 @@ class SensoryLane {
   /// Errors: kInvalidArgument if a value nests too deep.
   std::optional<Result<Written>> write(const ltm::Commit& commit);
 
+  /// Lends room for the arrays of a commit of these entities, which `named` names. Nothing where
+  /// write() would send the commit another way, or where there is no room.
+  std::optional<Loan> lend(std::span<const ArrayToLend> arrays, const ltm::Commit& named);
+
  private:
+  struct Lent;
   struct Ring;
   struct Place {
     std::shared_ptr<Ring> ring;
@@ -58,6 +65,8 @@ class SensoryLane {
   Status open(const ltm::Commit& commit) ENGRAM_EXCLUDES(mutex_);
   Result<std::shared_ptr<Ring>> map(const v1::SensoryRing& told) ENGRAM_EXCLUDES(mutex_);
   void forget(const std::shared_ptr<Ring>& ring) ENGRAM_EXCLUDES(mutex_);
+  /// Asks the server to take what it needs of a ring.
+  void sync(uint64_t ring, uint64_t written) const;
 
   const std::shared_ptr<SharedLane> shared_;
   const Ask ask_;

@@ -10,7 +10,7 @@
 
 #include "ltm/core/mutex.h"
 #include "ltm/memory/commit.h"
-#include "server/client/memory_client.h"
+#include "server/client/client_options.h"
 #include "server/sharing/sharing_client.h"
 #include "server/wire/wire_block.h"
 
