@@ -119,7 +119,8 @@ ltm::Commit stereo_at(Time time, const std::array<idf::Data, 2>& images) {
 }
 
 /// Commits at the rate, each beside a copy of the same bytes, for as long as each line says. A line
-/// is seconds; the answer has the times of all commits and what they took.
+/// is seconds, and "lend" where the pixels are written into memory that is lent for the commit; the
+/// answer has the times of all commits and what they took.
 int provide(const Arguments& arguments) {
   auto client = server::MemoryClient::connect(arguments.endpoint);
   if (!client.ok()) die(client.status());
@@ -146,7 +147,11 @@ int provide(const Arguments& arguments) {
   const auto us = [](SteadyTime begin, SteadyTime end) {
     return std::chrono::duration<double, std::micro>(end - begin).count();
   };
+  std::vector<server::ArrayToLend> lent;
+  for (const char* eye : kEyes)
+    lent.push_back({*ltm::MemoryId::parse(eye), idf::ElementType::kUInt8, {kHeight, kWidth, 3}});
   for (std::string line; std::getline(std::cin, line);) {
+    const bool lends = line.ends_with("lend");
     const SteadyTime end =
         steady_now() + duration_cast<Duration>(std::chrono::duration<double>(std::stod(line)));
     const auto period =
@@ -154,11 +159,25 @@ int provide(const Arguments& arguments) {
     json commits = json::array();
     std::vector<double> took;
     std::vector<double> copied;
+    std::vector<double> lending;
     for (SteadyTime next = steady_now(); next < end; next += period) {
       std::this_thread::sleep_until(next);
-      see();
+      std::optional<server::Loan> loan;
+      if (lends) {
+        const SteadyTime asked = steady_now();
+        auto made = (*client)->lend(lent);
+        if (!made.ok()) die(made.status());
+        lending.push_back(us(asked, steady_now()));
+        loan = *std::move(made);
+        if (!loan->is_in_ring()) die(unavailable("no room was lent"));
+        ++grey;
+        for (size_t eye = 0; eye < 2; ++eye) std::ranges::fill(loan->bytes(eye), std::byte(grey));
+      } else {
+        see();
+      }
       const Time time = system_now();
-      const ltm::Commit commit = stereo_at(time, images);
+      const ltm::Commit commit =
+          loan ? stereo_at(time, {loan->array(0), loan->array(1)}) : stereo_at(time, images);
       const SteadyTime begin = steady_now();
       if (const Status status = (*client)->commit(commit); !status.ok()) die(status);
       const SteadyTime done = steady_now();
@@ -172,7 +191,12 @@ int provide(const Arguments& arguments) {
         std::memcpy(copy.data() + eye * kImageBytes, pixels[eye].data(), kImageBytes);
       copied.push_back(us(copying, steady_now()));
     }
-    std::cout << json{{"commits", commits}, {"took", took}, {"copied", copied}}.dump() << std::endl;
+    std::cout << json{{"commits", commits},
+                      {"took", took},
+                      {"copied", copied},
+                      {"lending", lending}}
+                     .dump()
+              << std::endl;
   }
   return 0;
 }
@@ -256,6 +280,13 @@ int run_bars(const Arguments& arguments) {
         "  {:<34} {:.2f} at p50, {:.2f} at p99\n", "commit over memcpy",
         report["unattended"]["p50_us"].get<double>() / report["memcpy"]["p50_us"].get<double>(),
         report["unattended"]["p99_us"].get<double>() / report["memcpy"]["p99_us"].get<double>());
+    provider.tell(std::to_string(arguments.seconds) + " lend");
+    found = answer_of(provider);
+    report["lent"] = times_of(found["took"].get<std::vector<double>>());
+    report["lending"] = times_of(found["lending"].get<std::vector<double>>());
+    say("to lend room for both images", report["lending"]);
+    say("commit of what was written there", report["lent"]);
+    bar("commit p99 of what was lent, us", report["lent"]["p99_us"].get<double>(), 100);
     // Attention opens and closes while the provider goes on.
     const double attended_s = 0.4;
     const double pause_s = 0.75;
