@@ -274,7 +274,6 @@ TEST_P(Sensory, ForgetsWhatIsHeld) {
   EXPECT_THAT(ask("Vision @ all"), ElementsAre(4));
 }
 
-/// Sees the first snapshots of the left eye alone.
 class FirstOnes final : public ltm::View {
  public:
   [[nodiscard]] ltm::Sight of(const ltm::MemoryId& entity) const override {
@@ -393,7 +392,6 @@ TEST_P(Sensory, OthersNeedNotWaitUntilWhatAQueryAsksForHasPassed) {
   running_.with_store();
   ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
   rule.pack.rules = {ltm::PackRule{.codec = "none"}};
-  // A detector that gives no answer: each image takes a second.
   rule.redact = ltm::testing::marker_redaction(running_.folder.path(), "silent");
   running_.options.service.store->recording.rules = {rule};
   start();
@@ -457,7 +455,6 @@ TEST_F(Sensory, WhatAProviderWroteCanPassAfterItsEnd) {
   EXPECT_EQ(counts().committed, 3u);
 }
 
-/// Writes two images into what is lent, and commits them.
 class SensoryLoan : public Sensory {
  protected:
   static std::vector<ArrayToLend> wanted(int64_t bytes) {
@@ -483,10 +480,8 @@ TEST_P(SensoryLoan, WhatIsWrittenThereIsHeldAndPasses) {
   for (int64_t at = 1; at <= 40; ++at) {
     auto loan = client_->lend(wanted(50'000));
     ASSERT_OK(loan);
-    ASSERT_EQ(loan->size(), 2u);
     in_ring += loan->is_in_ring();
     ASSERT_OK(client_->commit(commit_of_loan(*loan, at)));
-    // One that is not committed leaves no trace.
     ASSERT_OK(client_->lend(wanted(70'000)));
   }
   EXPECT_EQ(in_ring, shares() ? 39 : 0) << "the first commit tells that its segment is sensory";
@@ -517,7 +512,6 @@ TEST_P(SensoryLoan, WhatIsCommittedOtherwiseIsCopied) {
   std::ranges::fill(loan->bytes(1), std::byte(5));
   for (ltm::EntityUpdate& update : both.updates) update.time = time_from_ns(5);
   ASSERT_OK(client_->commit(both));
-  // The room is used: what views it is copied, as anything else.
   for (ltm::EntityUpdate& update : both.updates) update.time = time_from_ns(5 + 251);
   ASSERT_OK(client_->commit(both));
   EXPECT_THAT(ask(kLeft + std::string(" @ all")), ElementsAre(1, 2, 3, 4, 5, 256));
