@@ -12,5 +12,7 @@ export default defineConfig({
   test: {
     dir: process.env.PAGE_TESTS ?? here('../../tests/viewer/page'), include: ['**/*.test.ts'], environment: 'node', fileParallelism: false,
     testTimeout: 120_000, hookTimeout: 60_000,
+    // Builds may share the machine, and browsers draw in software there.
+    expect: { poll: { timeout: 10_000 } },
   },
 });

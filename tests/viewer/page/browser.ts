@@ -77,7 +77,7 @@ export async function visit(options: VisitOptions = {}): Promise<Visit> {
   });
   contexts.push(context);
   const page = await context.newPage();
-  page.setDefaultTimeout(10_000);
+  page.setDefaultTimeout(20_000);
   const host = new URL(mock.address).host;
   page.on('request', (request) => {
     const url = new URL(request.url());
@@ -135,6 +135,18 @@ export const coloursOf = (page: Page, selector: string): Promise<string[]> =>
     for (let i = 0; i < data.length; i += 4) if (data[i + 3]! > 250) found.add(`${data[i]},${data[i + 1]},${data[i + 2]}`);
     return [...found];
   });
+
+/** How many pixels of the scene are nearly of a colour. */
+export const pixelsOf = (page: Page, wanted: readonly [number, number, number]) => page.locator('.scene canvas').evaluate((element, [r, g, b]) => {
+  const source = element as HTMLCanvasElement;
+  const copy = new OffscreenCanvas(source.width, source.height);
+  const context = copy.getContext('2d')!;
+  context.drawImage(source, 0, 0);
+  const { data } = context.getImageData(0, 0, copy.width, copy.height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i + 3]! > 60 && Math.abs(data[i]! - r!) + Math.abs(data[i + 1]! - g!) + Math.abs(data[i + 2]! - b!) < 60) count += 1;
+  return count;
+}, wanted);
 
 /** Of the folder in which the tests are run, which has the libraries of the page. */
 export const axeSource = (): string => readFileSync(createRequire(`${process.cwd()}/package.json`).resolve('axe-core/axe.min.js'), 'utf8');

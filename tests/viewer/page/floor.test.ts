@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a person sees of navigation in the scene: cost maps, plans, and places.
-import type { Page } from 'playwright-core';
 import { describe, expect, it } from 'vitest';
-import { goTo, kStart, useBrowser, visit, type Answer } from './browser';
+import { goTo, kStart, pixelsOf, useBrowser, visit, type Answer } from './browser';
 // @ts-expect-error The mock is plain JavaScript.
 import { kExecutions, kNavigation, withSkills } from '@mock/skills.mjs';
 
@@ -17,17 +16,6 @@ async function open(seconds: number, more: readonly unknown[] = kNavigation) {
   return { ...visited, panel, notes: panel.getByLabel('Notes on the scene') };
 }
 
-/** How many pixels of the scene are nearly of a colour. */
-const pixelsOf = (page: Page, wanted: readonly [number, number, number]) => page.locator('.scene canvas').evaluate((element, [r, g, b]) => {
-  const source = element as HTMLCanvasElement;
-  const copy = new OffscreenCanvas(source.width, source.height);
-  const context = copy.getContext('2d')!;
-  context.drawImage(source, 0, 0);
-  const { data } = context.getImageData(0, 0, copy.width, copy.height);
-  let count = 0;
-  for (let i = 0; i < data.length; i += 4) if (data[i + 3]! > 60 && Math.abs(data[i]! - r!) + Math.abs(data[i + 1]! - g!) + Math.abs(data[i + 2]! - b!) < 60) count += 1;
-  return count;
-}, wanted);
 const kMagenta = [255, 0, 255] as const;
 const kCyan = [0, 255, 255] as const;
 const kAccent = [11, 93, 143] as const;
