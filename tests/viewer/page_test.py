@@ -50,6 +50,7 @@ def main() -> int:
         return run(web, *page, "--exclude", "**/gateway.test.ts")
     with tempfile.TemporaryDirectory() as folder:
         store = make_kitchen(engram, pathlib.Path(folder), 8, learned=True)
+        subprocess.run([engram, "map", "make", str(store)], check=True, stdout=subprocess.DEVNULL)
         with Viewed(engram, str(store)) as viewed:
             return run(web, *page, "gateway.test.ts", VIEW_URL=viewed.url)
 

@@ -2,7 +2,7 @@
 // The page that is in the program, as a running `engram view` of a kitchen shows it: its own policy,
 // its own numbers. page_test.py starts it and says where it is.
 import { describe, expect, it } from 'vitest';
-import { choose, coloursOf, useBrowser, visit, type VisitOptions } from './browser';
+import { choose, coloursOf, pixelsOf, useBrowser, visit, type VisitOptions } from './browser';
 
 const url = process.env.VIEW_URL;
 /** The first questions load models, learn, and code images; others of that kind wait for them. */
@@ -102,6 +102,16 @@ describe.skipIf(!url)('a kitchen behind its gateway', () => {
     expect(Math.hypot(hand[0]! - torso[0]!, hand[1]! - torso[1]!, hand[2]! - torso[2]! - 0.42)).toBeLessThan(0.9);
     expect(hand[2]).toBeGreaterThan(0.3);
     expect(await panel.getByText(/not told|not drawn|origin/).count()).toBe(0);
+  });
+
+  it('has the cost map of what stands in it', async () => {
+    const { page } = await visit(options);
+    await page.keyboard.press('3');
+    const panel = page.locator('[data-panel=scene]');
+    await panel.getByText(/^Cost map navigation\/floor of \d\d:\d\d:\d\d\.\d{3}: 10 x 10 m\.$/).waitFor(kFirst);
+    // Obstacles, and where the robot would touch them.
+    await expect.poll(() => pixelsOf(page, [255, 0, 255]), kFirst).toBeGreaterThan(30);
+    await expect.poll(() => pixelsOf(page, [0, 255, 255]), kFirst).toBeGreaterThan(30);
   });
 
   it('has the ghost of its robot in the future', async () => {
