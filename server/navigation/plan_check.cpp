@@ -10,7 +10,7 @@ namespace engram::navigation {
 namespace {
 
 std::string time_text(const ltm::MemoryId& id) {
-  return id.time() ? to_string(*id.time()) : std::string("an unknown time");
+  return id.time() ? engram::to_string(*id.time()) : std::string("an unknown time");
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ Status check_map(Memory& memory, const CostMap& map, const MapRules& rules) {
     return failed_precondition(
         "'{}' is no longer in the way: the map knows it as of {}, the memory as of {}",
         entity.printable(), time_text(obstacle->snapshot),
-        time ? to_string(*time) : std::string("never"));
+        time ? engram::to_string(*time) : std::string("never"));
   }
   return {};
 }
