@@ -140,7 +140,17 @@ Status CostMapProvider::bring_up_to_date() {
 }
 
 Status CostMapProvider::commit_map() {
-  const Time time = std::max(things_.newest(), last_time_ + Duration(1));
+  Time newest = things_.newest();
+  if (newest == Time{} && last_time_ == Time{}) {
+    // Nothing tells the time yet. A map of the year 1970 would be the beginning of the memory.
+    if (!options_.base) {
+      MutexLock lock(mutex_);
+      latest_ = map_of_things(things_, map_);
+      return {};
+    }
+    newest = system_now();
+  }
+  const Time time = std::max(newest, last_time_ + Duration(1));
   CostMap map = map_of_things(things_, map_);
   map.version = version_ + 1;
   map.id = entity_.at(time).instance(0);

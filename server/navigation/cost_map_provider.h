@@ -19,7 +19,8 @@ namespace engram::navigation {
 ///
 /// It subscribes to them and commits a map, a navigation::CostMap, whenever one of them moved. What
 /// comes while a map is made goes into the next one. The time of a map is that of the newest
-/// snapshot in it, or a nanosecond more than that of the map before.
+/// snapshot in it, or a nanosecond more than that of the map before. As long as no thing is known
+/// there is no map, unless there is a base, whose first map is of now.
 /// Threading: thread-safe; a thread of its own makes the maps.
 /// Owns: nothing of the memory, which must outlive it.
 /// Source: docs/navigation.md.
@@ -42,14 +43,14 @@ class CostMapProvider {
     std::string last_failure;
   };
 
-  /// Returns once the first map is committed.
+  /// Returns once the first map is committed, if anything is known.
   /// Errors: kInvalidArgument for options that do not validate; those of Memory::subscribe, query,
   /// declare and commit.
   static Result<std::unique_ptr<CostMapProvider>> start(Memory& memory, const Options& options);
 
   ~CostMapProvider();
 
-  /// The last map that was committed.
+  /// The last map that was committed; an empty floor without a time where none was.
   [[nodiscard]] CostMap latest() const;
 
   /// Waits until a snapshot of a thing or class, or a newer one of it, is in the last committed map

@@ -148,6 +148,16 @@ TEST_F(CostMapProviderTest, StartsInAMemoryThatHasNothing) {
   auto started = CostMapProvider::start(**empty, {});
   ASSERT_OK(started);
   EXPECT_EQ((*started)->latest().cost_at({0, 0}), kFreeCost);
+  // Nothing is committed before anything tells what time it is.
+  const auto maps = ltm::Query::parse("Navigation/CostMap @ all");
+  ASSERT_OK(maps);
+  EXPECT_FAILS((*empty)->query(*maps), StatusCode::kNotFound, "");
+  ASSERT_OK((*empty)->commit(
+      {{class_of("chair", "box", 0.5, 0.5, 0.9), thing_at("chair_1", "chair", {}, 0.45, kBegin)}}));
+  ASSERT_TRUE((*started)->wait_for(testing::thing_id("chair_1").at(kBegin), seconds(20)));
+  const auto first = (*empty)->query(*maps);
+  ASSERT_OK(first);
+  EXPECT_EQ(first->entities().front()->snapshots.front().time, kBegin);
 }
 
 TEST_F(CostMapProviderTest, RefusesRulesThatDoNotValidate) {
