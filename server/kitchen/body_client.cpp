@@ -6,6 +6,7 @@
 #include <random>
 #include <utility>
 
+#include "ltm/core/log.h"
 #include "server/client/open_channel.h"
 #include "server/kitchen/body_messages.h"
 #include "server/wire/wire_status.h"
@@ -72,8 +73,10 @@ class FarBus final : public kitchen::RobotBus {
     request.set_client(client_);
     request.set_bus(number_);
     v1::BodyLeaveReply reply;
+    const Status left = calls_.call(&Async::Leave, request, reply);
     // A body that is gone does not wait for anybody.
-    [[maybe_unused]] const Status left = calls_.call(&Async::Leave, request, reply);
+    if (!left.ok() && left.code() != StatusCode::kUnavailable)
+      log::warning("kitchen: the body was not told that a bus left: {}", left.message());
   }
 
   Result<kitchen::BodyDescription> describe() override {
