@@ -83,8 +83,9 @@ void SharedRing::attention_changed() {
     control_->taken = 0;
     // What came until then passes if it was still held then, however late the server looks.
     const int64_t oldest = oldest_came();
-    for_each_place(attended & ~before,
-                   [&](size_t place) ENGRAM_REQUIRES(placing_) { oldest_passed_[place] = oldest; });
+    for (const size_t place : RingPlaces(attended & ~before)) {
+      oldest_passed_[place] = oldest;
+    }
   }
   control_->attended = attended;
 }
@@ -132,9 +133,9 @@ void SharedRing::note_earliest(memory::EarliestTimes& times) const {
   for (uint64_t sequence = range.first; sequence < range.end; ++sequence) {
     const auto entry = reader_->find(sequence);
     if (!entry || entry->came_ns < oldest) continue;
-    for_each_place(not_passed(entry->entities, sequence), [&](size_t place) {
+    for (const size_t place : RingPlaces(not_passed(entry->entities, sequence))) {
       earliest[place] = std::min(earliest[place], entry->first_time_ns);
-    });
+    }
   }
   const MutexLock placing(placing_);
   for (size_t place = 0; place < entities_.size(); ++place)

@@ -50,9 +50,9 @@ Status SharedRing::count_call(uint64_t passed) {
 
 uint64_t SharedRing::not_passed(uint64_t entities, uint64_t sequence) const {
   uint64_t left = 0;
-  for_each_place(entities, [&](size_t place) ENGRAM_REQUIRES(passing_) {
+  for (const size_t place : RingPlaces(entities)) {
     if (passed_until_[place] <= sequence) left |= bit_of_place(place);
-  });
+  }
   const auto early = passed_early_.find(sequence);
   return early == passed_early_.end() ? left : left & ~early->second;
 }
@@ -85,9 +85,9 @@ void SharedRing::pass_attended() {
   const auto range = look();
   if (!range) return;
   uint64_t first = range->end;
-  for_each_place(attended, [&](size_t place) ENGRAM_REQUIRES(passing_) {
+  for (const size_t place : RingPlaces(attended)) {
     first = std::min(first, passed_until_[place]);
-  });
+  }
   // What lies in the ring beside each other: a client that has entries overlap asks for more.
   size_t budget = entries_->size();
   for (uint64_t sequence = std::max(first, range->first); sequence < range->end; ++sequence) {
@@ -97,9 +97,9 @@ void SharedRing::pass_attended() {
       continue;
     }
     uint64_t wanted = not_passed(entry->entities & attended, sequence);
-    for_each_place(wanted, [&](size_t place) {
+    for (const size_t place : RingPlaces(wanted)) {
       if (entry->came_ns < oldest[place]) wanted &= ~bit_of_place(place);
-    });
+    }
     if (wanted != 0)
       pass_entry(*entry, wanted, budget, {});
     else if (not_passed(entry->entities, sequence) == entry->entities)
@@ -107,10 +107,10 @@ void SharedRing::pass_attended() {
     if (!reader_) return;
   }
   end_ = range->end;
-  for_each_place(attended, [&](size_t place) ENGRAM_REQUIRES(passing_) {
+  for (const size_t place : RingPlaces(attended)) {
     passed_until_[place] = range->end;
     control_->passed_until[place] = range->end;
-  });
+  }
   const MutexLock lock(placing_);
   // Where attention opened to more meanwhile, its own call says what was taken.
   if (openings == openings_) control_->taken = range->end;
@@ -165,9 +165,9 @@ Result<v1::CommitRequest> SharedRing::read_head(const SensoryEntry& entry, uint6
   std::vector<std::pair<memory::SharedSensoryEntity, uint64_t>> known;
   {
     const MutexLock lock(placing_);
-    for_each_place(wanted, [&](size_t place) ENGRAM_REQUIRES(placing_) {
+    for (const size_t place : RingPlaces(wanted)) {
       if (place < entities_.size()) known.emplace_back(entities_[place], bit_of_place(place));
-    });
+    }
   }
   v1::CommitRequest taken;
   int found = 0;

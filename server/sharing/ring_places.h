@@ -12,10 +12,30 @@ constexpr uint64_t bit_of_place(size_t place) {
   return uint64_t{1} << place;
 }
 
-/// Calls `visit` with the place of each bit, the lowest first.
-template <typename Visit>
-void for_each_place(uint64_t bits, const Visit& visit) {
-  for (; bits != 0; bits &= bits - 1) visit(static_cast<size_t>(std::countr_zero(bits)));
-}
+/// The place of each bit, the lowest first: `for (const size_t place : RingPlaces(bits))`. A loop
+/// and not a call of a lambda, so that the compiler sees which locks are held in it.
+class RingPlaces {
+ public:
+  class Iterator {
+   public:
+    explicit Iterator(uint64_t bits) : bits_(bits) {}
+    size_t operator*() const { return static_cast<size_t>(std::countr_zero(bits_)); }
+    Iterator& operator++() {
+      bits_ &= bits_ - 1;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return bits_ != other.bits_; }
+
+   private:
+    uint64_t bits_;
+  };
+
+  explicit RingPlaces(uint64_t bits) : bits_(bits) {}
+  [[nodiscard]] Iterator begin() const { return Iterator(bits_); }
+  [[nodiscard]] static Iterator end() { return Iterator(0); }
+
+ private:
+  uint64_t bits_;
+};
 
 }  // namespace engram::server

@@ -78,9 +78,9 @@ void SensoryRingWriter::announce(const Sync& sync) {
 
 uint64_t SensoryRingWriter::lost_of(const Live& entry) const {
   uint64_t lost = 0;
-  for_each_place(entry.entities, [&](size_t place) {
+  for (const size_t place : RingPlaces(entry.entities)) {
     if (control_.passed_until[place].load(std::memory_order_acquire) <= entry.sequence) ++lost;
-  });
+  }
   return lost;
 }
 
