@@ -38,6 +38,7 @@ Episode::Running Episode::begin(const Task& task, const std::string& skill,
   action.joints = entities::joints().at(now).instance(0);
   action.platform = entities::platform().at(now).instance(0);
   action.number = actions_++;
+  if (is_over()) return running;
 
   const ::skill::ExecutionRequest request =
       recorded_request(skill, object, action.surface, action.hand, plan_id_);
@@ -45,15 +46,13 @@ Episode::Running Episode::begin(const Task& task, const std::string& skill,
   action.stage = ::skill::Stage::STARTED;
   action.outcome = Outcome::RUNNING;
   action.started = now;
-  action.request = entities::request(skill).at(now).instance(0);
+  action.request = reporter_.report_request(sample_, skill, request);
   action.executable = entities::executable(skill).at(reporter_.time_of(0)).instance(0);
   action.parameters = request.parameters;
   action.inputs = {*action.object_before};
   if (action.surface) action.inputs.push_back(*action.surface);
   action.result = "{}";
   action.running = {now};
-  if (is_over()) return running;
-  reporter_.report_request(sample_, skill, request);
   const ltm::MemoryId begun = reporter_.report_action(sample_, skill, action);
   // What is told at its end.
   action.stage = ::skill::Stage::ENDED;

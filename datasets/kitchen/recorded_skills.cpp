@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "datasets/kitchen/recorded_skills.h"
 
+#include <array>
+
 #include "ltm/core/check.h"
 #include "ltm/idf/json.h"
 

@@ -28,7 +28,13 @@ class BoundRun {
  public:
   explicit BoundRun(SkillRun& run) : run_(&run) {}
 
-  void end() { run_ = nullptr; }
+  /// Returns once no thread of the function reports any more.
+  void end() {
+    run_ = nullptr;
+    const py::gil_scoped_release others;
+    const MutexLock lock(mutex_);
+    is_idle_.wait(mutex_, [this]() ENGRAM_REQUIRES(mutex_) { return reports_ == 0; });
+  }
 
   py::object parameters() { return to_python(run().parameters()); }
   bool is_stopped() { return run().stop().stop_requested(); }
@@ -39,10 +45,14 @@ class BoundRun {
   void report(const py::object& value, const std::vector<std::string>& links) {
     const idf::Data data = from_python(value);
     const auto ids = links_from(links);
+    // Threads of the function may report, too, while it ends.
+    SkillRun& here = run();
+    count_report(1);
     Status status;
     {
       const py::gil_scoped_release others;
-      status = run().report(data, ids);
+      status = here.report(data, ids);
+      count_report(-1);
     }
     if (!status.ok()) raise(status);
   }
@@ -64,7 +74,16 @@ class BoundRun {
     return *run_;
   }
 
-  SkillRun* run_;
+  void count_report(int change) {
+    const MutexLock lock(mutex_);
+    reports_ += change;
+    if (reports_ == 0) is_idle_.notify_all();
+  }
+
+  SkillRun* run_;  ///< Under the interpreter's lock.
+  Mutex mutex_;
+  ConditionVariable is_idle_;
+  int reports_ ENGRAM_GUARDED_BY(mutex_) = 0;
 };
 
 /// Calls a function of Python, which returns (outcome, reason, result, links). It is shared and not

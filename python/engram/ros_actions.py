@@ -17,7 +17,12 @@ from types import ModuleType
 from typing import Any
 
 from engram.closing import Closing
-from engram.errors import EngramError, InvalidArgumentError, UnavailableError
+from engram.errors import (
+    EngramError,
+    FailedPreconditionError,
+    InvalidArgumentError,
+    UnavailableError,
+)
 from engram.optional import MissingPackageError, needs
 from engram.ros_messages import message_of, parameters_of, value_of
 from engram.skills import Skill, SkillEnd, SkillProvider, SkillRun
@@ -81,7 +86,8 @@ class RosActions(Closing):
             "stops_within": "5s",
         }
 
-        def carry_out(run: SkillRun, **values: Any) -> SkillEnd:
+        # A goal may have a field `run`.
+        def carry_out(run: SkillRun, /, **values: Any) -> SkillEnd:
             now = self._rospy.Time.now()
             return _carried_out(self._actionlib, client, message_of(messages["goal"], values, now), run)
 
@@ -106,27 +112,27 @@ class RosActions(Closing):
         these. A master tells nobody what came, so it is asked each `every` seconds. `on_change` is
         told (action, type, what became of it). Returns when `is_over` says so, or the node ends."""
         tell = on_change or (lambda *_: None)
-        refused: set[tuple[str, str]] = set()
+        problems: dict[str, str] = {}  # What was told of an action server, or "" of the master.
         while not is_over() and not self._rospy.is_shutdown():
+            before, problems = problems, {}
             try:
                 found = action_servers()
             except ConnectionError as error:
-                tell("", "", str(error))
-                found = None
-            for action, kind in (found or {}).items():
+                problems[""] = str(error)
+                found = dict.fromkeys(self._skills, "")  # Nobody knows, so they stay.
+            for action in [one for one in self._skills if one not in found]:
+                self.remove(action)
+                tell(action, "", "has gone")
+            for action, kind in found.items():
                 if action in self._skills or (wanted and action not in wanted):
-                    continue
-                if (action, kind) in refused:
                     continue
                 try:
                     tell(action, kind, f"is the skill '{self.add(action, kind)}'")
                 except EngramError as error:
-                    refused.add((action, kind))
-                    tell(action, kind, f"is no skill: {error}")
-            if found is not None:
-                for action in [one for one in self._skills if one not in found]:
-                    self.remove(action)
-                    tell(action, "", "has gone")
+                    problems[action] = f"is no skill: {error}"
+            for action, problem in problems.items():
+                if before.get(action) != problem:
+                    tell(action, found.get(action, ""), problem)
             time.sleep(every)
 
     def close(self) -> None:
@@ -157,8 +163,8 @@ def _carried_out(actionlib: ModuleType, client: Any, goal: Any, run: SkillRun) -
     def report(feedback: Any) -> None:
         try:
             run.report(value_of(feedback))
-        except UnavailableError:
-            pass  # The provider connects again by itself; this execution was stopped.
+        except (UnavailableError, FailedPreconditionError):
+            pass  # The provider connects again by itself; or the execution is over already.
 
     client.send_goal(goal, feedback_cb=report)
     seen = time.monotonic()

@@ -32,7 +32,7 @@ def parameters_of(goal: type, frame: str = "") -> dict[str, dict[str, Any]]:
     Fields of fields join their names by `_`; a field with its header alone, such as a PoseStamped,
     is that field. A header is a text, NAME_frame, with the default `frame`. Poses and positions
     must be given, because a pose of zeros is none; all else has the default that ROS has: zero,
-    empty, false.
+    empty, false. Raises InvalidArgumentError where two fields would have one name.
     """
     found: dict[str, dict[str, Any]] = {}
     _describe(goal(), "", frame, found)
@@ -81,6 +81,8 @@ def _name_of(message: Any, before: str, name: str, what: str) -> str:
 def _describe(message: Any, before: str, frame: str, found: dict[str, dict[str, Any]]) -> None:
     for name, what in zip(message.__slots__, message._slot_types, strict=True):
         full = _name_of(message, before, name, what)
+        if full in found:
+            raise InvalidArgumentError(f"two fields of the goal would be the parameter '{full}'")
         if what in _INTEGERS:
             sign, bits = _INTEGERS[what]
             low = 0 if sign else -(2 ** (bits - 1))

@@ -65,6 +65,17 @@ class MessagesTest(unittest.TestCase):
         self.assertEqual(value["source_time"], 1_500_000_000_250_000_000)
         self.assertEqual((value["timeout"], value["target_frame"]), (0.5, "map"))
 
+    def test_two_fields_of_one_name_are_refused(self):
+        class Twice:
+            __slots__ = ["pose_frame", "pose"]
+            _slot_types = ["string", "geometry_msgs/PoseStamped"]
+
+            def __init__(self):
+                self.pose_frame, self.pose = "", PoseStamped()
+
+        with self.assertRaisesRegex(InvalidArgumentError, "parameter 'pose_frame'"):
+            parameters_of(Twice)
+
     def test_arrays_of_a_wrong_length_are_named(self):
         described = parameters_of(PoseWithCovarianceStamped)
         self.assertEqual(described["pose_covariance"], {"type": "numbers", "default": []})

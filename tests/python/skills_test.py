@@ -37,6 +37,26 @@ def broken():
     raise engram.SkillFailure("the hand is off")
 
 
+@engram.skill("name: haste")
+def haste(run):
+    """Ends while a thread of it still reports, as callbacks of other libraries do."""
+    ended = []
+
+    def report():
+        try:
+            while True:
+                run.report({"angle": 1.0})
+        except engram.EngramError as error:
+            ended.append(type(error).__name__)
+
+    HASTE.append((threading.Thread(target=report), ended))
+    HASTE[-1][0].start()
+    return "gone"
+
+
+HASTE = []
+
+
 @engram.skill("name: count\nparameters: {to: {type: position}}")
 def count(run, **given):
     return engram.SkillEnd("counted", result={"sum": float(sum(given["to"]))}, links=(CUP,))
@@ -83,6 +103,14 @@ class SkillsTest(unittest.TestCase):
         self.assertFalse(failed)
         # It takes no run, which is its fault and no crash.
         self.assertIn("TypeError", failed.reason)
+
+    def test_threads_that_report_to_the_end_hear_that_it_is_over(self):
+        self.provider(haste)
+        for _ in range(20):
+            self.assertTrue(engram.run_skill(self.memory, "haste"))
+            thread, ended = HASTE.pop()
+            thread.join(20)
+            self.assertEqual(ended, ["FailedPreconditionError"])
 
     def test_ctrl_c_stops_the_skill(self):
         self.provider(wait)
