@@ -79,10 +79,12 @@ class Things:
         elif not known:
             spans.append((value["started"], ended if ended is not None else -1))
         links = self.linking.setdefault(entity, set())
-        for text in value.values():
-            if isinstance(text, str) and text.count("/") >= 4:
-                names, moment, _ = text.rsplit("/", 2)
-                links.add((names, to_ns(moment)))
+        for member in value.values():
+            for text in member if isinstance(member, list) else [member]:
+                # Parameters are JSON with names in it.
+                if isinstance(text, str) and text.count("/") >= 4 and not text.startswith("{"):
+                    names, moment, _ = text.rsplit("/", 2)
+                    links.add((names, to_ns(moment)))
 
 
 def to_ns(text: str) -> int:

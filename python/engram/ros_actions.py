@@ -11,6 +11,7 @@ import argparse
 import json
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Sequence
 from types import ModuleType
@@ -29,6 +30,7 @@ from engram.skills import Skill, SkillEnd, SkillProvider, SkillRun
 
 _RESULT = "/result"
 _AWAY_S = 2.0  # An action server that was not there for so long is gone.
+_CANCELS_S = 4.5  # A little less than `stops_within` below.
 _LOOK_S = 0.02
 
 
@@ -66,6 +68,7 @@ class RosActions(Closing):
         self._provider = provider
         self._frame = frame
         self._skills: dict[str, str] = {}  # Names of actions -> names of their skills.
+        self._clients: dict[str, Any] = {}
 
     @property
     def skills(self) -> dict[str, str]:
@@ -92,13 +95,21 @@ class RosActions(Closing):
             return _carried_out(self._actionlib, client, message_of(messages["goal"], values, now), run)
 
         # JSON is YAML, too.
-        self._provider.add(Skill(json.dumps(description), carry_out))
+        try:
+            self._provider.add(Skill(json.dumps(description), carry_out))
+        except EngramError:
+            client.action_client.stop()
+            raise
         self._skills[action] = name
+        self._clients[action] = client
         return name
 
     def remove(self, action: str) -> None:
-        """The skill of an action server is no more."""
-        self._provider.remove(self._skills.pop(action))
+        """The skill of an action server is no more. Raises UnavailableError where no server answers;
+        then it still is."""
+        self._provider.remove(self._skills[action])
+        del self._skills[action]
+        self._clients.pop(action).action_client.stop()
 
     def follow(
         self,
@@ -121,8 +132,11 @@ class RosActions(Closing):
                 problems[""] = str(error)
                 found = dict.fromkeys(self._skills, "")  # Nobody knows, so they stay.
             for action in [one for one in self._skills if one not in found]:
-                self.remove(action)
-                tell(action, "", "has gone")
+                try:
+                    self.remove(action)
+                    tell(action, "", "has gone")
+                except UnavailableError as error:
+                    problems[action] = f"has gone, which the memory is told later: {error}"
             for action, kind in found.items():
                 if action in self._skills or (wanted and action not in wanted):
                     continue
@@ -155,10 +169,19 @@ def _messages_of(kind: str) -> dict[str, Any]:
     return found
 
 
+def _is_there(client: Any) -> bool:
+    """Whether the action server is connected. By the connections and not by time: that of ROS stands
+    still where a simulator does."""
+    goals, cancels = client.action_client.pub_goal, client.action_client.pub_cancel
+    return bool(goals.get_num_connections() > 0 and cancels.get_num_connections() > 0)
+
+
 def _carried_out(actionlib: ModuleType, client: Any, goal: Any, run: SkillRun) -> SkillEnd:
-    """Sends a goal, and follows it until it has ended."""
-    if not client.wait_for_server(_duration(_AWAY_S)):
-        return SkillEnd(f"no action server answered within {_AWAY_S:g} s", "failure")
+    """Sends a goal, and follows it until it has ended, within limits of the machine's clock."""
+    begin = time.monotonic()
+    while not _is_there(client):
+        if run.wait(_LOOK_S) or time.monotonic() - begin > _AWAY_S:
+            return SkillEnd(f"no action server answered within {_AWAY_S:g} s", "failure")
 
     def report(feedback: Any) -> None:
         try:
@@ -166,18 +189,25 @@ def _carried_out(actionlib: ModuleType, client: Any, goal: Any, run: SkillRun) -
         except (UnavailableError, FailedPreconditionError):
             pass  # The provider connects again by itself; or the execution is over already.
 
-    client.send_goal(goal, feedback_cb=report)
+    done = threading.Event()
+    client.send_goal(goal, done_cb=lambda *_: done.set(), feedback_cb=report)
     seen = time.monotonic()
-    is_cancelled = False
-    while not client.wait_for_result(_duration(_LOOK_S)):
-        if run.is_stopped and not is_cancelled:
-            is_cancelled = True
+    cancelled = 0.0
+    while not done.wait(_LOOK_S):
+        now = time.monotonic()
+        if run.is_stopped and not cancelled:
+            cancelled = now
             client.cancel_goal()
-        if client.wait_for_server(_duration(0.001)):
-            seen = time.monotonic()
-        elif time.monotonic() - seen > _AWAY_S:
+        if _is_there(client):
+            seen = now
+        problem = ""
+        if now - seen > _AWAY_S:
+            problem = "its action server went away"
+        elif cancelled and now - cancelled > _CANCELS_S:
+            problem = f"its action server did not cancel within {_CANCELS_S:g} s"
+        if problem:
             client.stop_tracking_goal()
-            return SkillEnd("its action server went away", "failure")
+            return SkillEnd(problem, "failure")
     return _end_of(actionlib, client)
 
 
@@ -197,10 +227,6 @@ def _end_of(actionlib: ModuleType, client: Any) -> SkillEnd:
     return SkillEnd(
         reason, outcome.get(state, "failure"), {} if result is None else value_of(result)
     )
-
-
-def _duration(seconds: float) -> Any:
-    return needs("rospy", "RosActions").Duration.from_sec(seconds)
 
 
 def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:

@@ -32,7 +32,8 @@ def parameters_of(goal: type, frame: str = "") -> dict[str, dict[str, Any]]:
     Fields of fields join their names by `_`; a field with its header alone, such as a PoseStamped,
     is that field. A header is a text, NAME_frame, with the default `frame`. Poses and positions
     must be given, because a pose of zeros is none; all else has the default that ROS has: zero,
-    empty, false. Raises InvalidArgumentError where two fields would have one name.
+    empty, false. An orientation alone is [1, 0, 0, 0]. Raises InvalidArgumentError where two fields
+    would have one name.
     """
     found: dict[str, dict[str, Any]] = {}
     _describe(goal(), "", frame, found)
@@ -78,6 +79,11 @@ def _name_of(message: Any, before: str, name: str, what: str) -> str:
     return before if is_stamped else f"{before}_{name}"
 
 
+def _length_of(what: str) -> int:
+    """The length of an array that has one; 0 for any."""
+    return int(what[what.index("[") + 1 : -1] or 0)
+
+
 def _describe(message: Any, before: str, frame: str, found: dict[str, dict[str, Any]]) -> None:
     for name, what in zip(message.__slots__, message._slot_types, strict=True):
         full = _name_of(message, before, name, what)
@@ -113,7 +119,7 @@ def _describe(message: Any, before: str, frame: str, found: dict[str, dict[str, 
             found[full] = {"type": "numbers", "default": [1, 0, 0, 0], "doc": "w, x, y, z"}
         elif (element := _element_of(what)) is not None:
             if _is_number(element):
-                found[full] = {"type": "numbers", "default": []}
+                found[full] = {"type": "numbers", "default": [0] * _length_of(what)}
             else:
                 found[full] = {"type": "string", "default": "[]", "doc": f"{what} as JSON"}
         else:
@@ -163,9 +169,9 @@ def _native(what: str, value: Any, now: Any, name: str) -> Any:
     element = _element_of(what)
     if element is None:
         return str(value)
-    length = what[what.index("[") + 1 : -1]
+    length = _length_of(what)
     read = list(value) if _is_number(element) else _read_json(value, what, name)
-    if length and len(read) != int(length):
+    if length and len(read) != length:
         raise InvalidArgumentError(f"'{name}': found {len(read)} elements, {what} needs {length}")
     if element in ("uint8", "char"):
         return bytes(_small(one, name) for one in read)
@@ -241,4 +247,7 @@ def _plain_value(value: Any) -> Value:
         return value
     if isinstance(value, bytes):
         return value.decode("utf-8", "surrogateescape")
-    return np.int64(value) if isinstance(value, int) else np.float64(value)
+    if isinstance(value, int):
+        # An int64 of IDF holds no more; the number is told nearly rather than not at all.
+        return np.int64(value) if value < 2**63 else np.float64(value)
+    return np.float64(value)

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Real action servers of ROS 1, for ros_actions_test.py: /base/move (MoveBase), which aborts what is
-farther than 100 m and goes on for ever below 0, and /count (actionlib's Test)."""
+farther than 100 m and goes on for ever below 0, and /count (actionlib's Test), which sleeps below
+0."""
+
+import time
 
 import actionlib
 import actionlib.msg
@@ -28,6 +31,8 @@ def move(server, goal):
 
 
 def count(server, goal):
+    if goal.goal < 0:
+        time.sleep(-goal.goal)  # It does not look whether it is to stop.
     server.set_succeeded(actionlib.msg.TestResult(result=goal.goal + 1))
 
 

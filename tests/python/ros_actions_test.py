@@ -16,6 +16,7 @@ import time
 import unittest
 
 import numpy as np
+from actionlib.msg import TestResult
 from actionlib_msgs.msg import GoalStatusArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseGoal
@@ -78,7 +79,7 @@ class MessagesTest(unittest.TestCase):
 
     def test_arrays_of_a_wrong_length_are_named(self):
         described = parameters_of(PoseWithCovarianceStamped)
-        self.assertEqual(described["pose_covariance"], {"type": "numbers", "default": []})
+        self.assertEqual(described["pose_covariance"], {"type": "numbers", "default": [0] * 36})
         with self.assertRaisesRegex(InvalidArgumentError, "pose_covariance.*3.*float64.36."):
             message_of(PoseWithCovarianceStamped,
                        {"header_frame": "", "pose_pose": AT, "pose_covariance": [1, 2, 3]})
@@ -100,6 +101,17 @@ class MessagesTest(unittest.TestCase):
         self.assertEqual(value_of(made)["status_list"][0]["text"], "done")
         with self.assertRaisesRegex(InvalidArgumentError, "'status_list'"):
             message_of(GoalStatusArray, of_messages | {"status_list": '[{"colour": 3}]'})
+
+    def test_defaults_are_what_ros_has(self):
+        for kind in (LookupTransformGoal, PoseWithCovarianceStamped, JointState, GoalStatusArray):
+            given = {name: one.get("default", AT) for name, one in parameters_of(kind).items()}
+            message, plain = message_of(kind, given), kind()
+            if kind is PoseWithCovarianceStamped:  # A pose of zeros is none.
+                plain.pose.pose = message.pose.pose
+                message.pose.covariance = tuple(message.pose.covariance)
+                plain.pose.covariance = tuple(plain.pose.covariance)
+            self.assertEqual(message, plain, kind)
+        self.assertEqual(value_of(TestResult(result=7)), {"result": 7})
 
     def test_a_pose_is_a_value_as_everywhere(self):
         pose = PoseStamped()
@@ -189,10 +201,9 @@ class BridgeTest(unittest.TestCase):
             back = {"position": [-1.0, 0, 0], "orientation": [1.0, 0, 0, 0]}
             asked = threading.Thread(
                 target=lambda: results.append(self.run_skill("ros/base_move", target_pose=back)))
-            before = len(self.memory["Skill/Event/ros/base_move"].times())
+            before = self.events_of("base_move")
             asked.start()
-            self.wait_until(
-                lambda: len(self.memory["Skill/Event/ros/base_move"].times()) > before + 1)
+            self.wait_until(lambda: self.events_of("base_move") > before + 1)
             end()
             asked.join()
             self.assertEqual((results[0].outcome, results[0].reason), (outcome, reason))
@@ -200,9 +211,29 @@ class BridgeTest(unittest.TestCase):
         bridge.send_signal(signal.SIGINT)
         self.assertEqual(bridge.wait(timeout=30), 0, self.said)
 
+    def events_of(self, skill):
+        try:
+            return len(self.memory[f"Skill/Event/ros/{skill}"].times())
+        except LookupError:
+            return 0
+
     def stop_skill(self):
         subprocess.run([PROGRAM, "skill", "stop", "ros/base_move", "--server", self.server.endpoint],
                        check=True, capture_output=True)
+
+    def test_a_server_that_does_not_cancel_ends_no_bridge(self):
+        self.start_servers()
+        bridge = self.start_bridge("--frame", "map")
+        self.wait_until(lambda: sum("is the skill" in one for one in self.said) == 2)
+        results = []
+        asked = threading.Thread(  # /count sleeps so long, whatever it is told.
+            target=lambda: results.append(self.run_skill("ros/count", goal=-20)))
+        asked.start()
+        self.wait_until(lambda: self.events_of("count") == 1)
+        bridge.send_signal(signal.SIGTERM)
+        self.assertEqual(bridge.wait(timeout=15), 0, self.said)
+        asked.join()
+        self.assertEqual(results[0].outcome, "failure")
 
     def test_action_servers_may_come_later_and_go(self):
         # The master must be there, though.
