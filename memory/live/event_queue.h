@@ -47,9 +47,13 @@ class EventQueue {
   /// Removes the events of which `is_gone` is true. They do not count as dropped.
   template <typename IsGone>
   void erase_if(const IsGone& is_gone) {
+    size_t at = 0;
+    const size_t settled = beyond_.events;
     std::erase_if(waiting_, [&](const Waiting& one) {
+      const bool is_settled = at++ < settled;
       if (!is_gone(one.event)) return false;
       bytes_ -= one.bytes;
+      if (is_settled) narrow(one.bytes);
       return true;
     });
   }
@@ -66,10 +70,7 @@ class EventQueue {
   /// Removes and returns the oldest event. Needs one.
   Event pop() {
     Event event = std::move(waiting_.front().event);
-    if (beyond_.events > 0) {
-      --beyond_.events;
-      beyond_.bytes -= std::min(beyond_.bytes, waiting_.front().bytes);
-    }
+    if (beyond_.events > 0) narrow(waiting_.front().bytes);
     drop_oldest();
     return event;
   }
@@ -84,6 +85,13 @@ class EventQueue {
     if (wide_)
       return {std::max(bounds_.events, wide_->events), std::max(bounds_.bytes, wide_->bytes)};
     return {bounds_.events + beyond_.events, bounds_.bytes + beyond_.bytes};
+  }
+
+  /// One of those that waited when it settled is no more. The last one ends it, whatever was
+  /// dropped meanwhile.
+  void narrow(size_t bytes) {
+    --beyond_.events;
+    beyond_.bytes = beyond_.events == 0 ? 0 : beyond_.bytes - std::min(beyond_.bytes, bytes);
   }
 
   void drop_oldest() {

@@ -25,7 +25,7 @@ Loan Loan::in_this_process(std::span<const ArrayToLend> arrays) {
   std::vector<Place> places;
   for (const ArrayToLend& one : arrays) {
     const size_t bytes = idf::size_bytes(one.type, one.shape).value_or(0);
-    const auto memory = std::make_shared<std::byte[]>(bytes);
+    const auto memory = std::make_shared_for_overwrite<std::byte[]>(bytes);
     auto array = idf::NdArray::create(one.type, one.shape, Buffer(memory, {memory.get(), bytes}));
     ENGRAM_CHECK(array.ok(), "{}", array.status().message());
     places.push_back({{memory.get(), bytes}, *std::move(array)});

@@ -41,7 +41,7 @@ class Loan {
   /// Where the elements of an array go, aligned for any of their types.
   [[nodiscard]] std::span<std::byte> bytes(size_t i) const { return places_[i].bytes; }
   [[nodiscard]] const idf::NdArray& array(size_t i) const { return places_[i].array; }
-  /// Whether the commit copies nothing, as far as it comes in time.
+  /// Whether the commit copies nothing, if it is committed as it was lent.
   [[nodiscard]] bool is_in_ring() const { return is_in_ring_; }
 
  private:

@@ -16,7 +16,7 @@ constexpr size_t kMaxMissedRanges = 64;
 void EntryOutcomes::refuse(uint64_t sequence, Status why) {
   refused_.insert_or_assign(sequence, std::move(why));
   if (refused_.size() <= kMaxRefusedEntries) return;
-  unknown_below_ = refused_.begin()->first + 1;
+  unknown_below_ = std::max(unknown_below_, refused_.begin()->first + 1);
   refused_.erase(refused_.begin());
 }
 
@@ -32,7 +32,9 @@ void EntryOutcomes::miss(uint64_t first, uint64_t end) {
   for (auto next = std::next(at); next != missed_.end() && next->first <= at->second;
        next = missed_.erase(next))
     at->second = std::max(at->second, next->second);
-  if (missed_.size() > kMaxMissedRanges) missed_.erase(missed_.begin());
+  if (missed_.size() <= kMaxMissedRanges) return;
+  unknown_below_ = std::max(unknown_below_, missed_.begin()->second);
+  missed_.erase(missed_.begin());
 }
 
 bool EntryOutcomes::is_missed(uint64_t sequence) const {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 
 #include "ltm/core/status.h"
@@ -25,7 +24,7 @@ class EntryOutcomes {
   void miss(uint64_t first, uint64_t end);
 
   /// Why an entry did not pass; OK where nothing is known against it.
-  /// Errors: those of refuse(); kDataLoss if it was missed, or if too many were refused since.
+  /// Errors: those of refuse(); kDataLoss if it was missed, or if too many did not pass since.
   [[nodiscard]] Status of(uint64_t sequence) const;
 
   /// Whether an entry was missed and nobody was told yet.
@@ -34,7 +33,7 @@ class EntryOutcomes {
  private:
   const std::string ring_;
   std::map<uint64_t, Status> refused_;
-  uint64_t unknown_below_ = 0;           ///< Some of these were refused, and are forgotten.
+  uint64_t unknown_below_ = 0;           ///< Some of these did not pass, and are forgotten.
   std::map<uint64_t, uint64_t> missed_;  ///< Ranges: the end by the first.
 };
 

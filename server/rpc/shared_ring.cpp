@@ -106,7 +106,7 @@ void SharedRing::close(const std::string& why) {
 void SharedRing::end() {
   const MutexLock lock(passing_);
   // What it wrote and could not tell any more.
-  pass_attended();
+  pass_attended(false);
   ended_ = steady_now();
   if (!reader_) context_.sharing->abandon_ring(client_, memory_);
 }

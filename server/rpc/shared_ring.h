@@ -67,20 +67,22 @@ class SharedRing final : public memory::SensorySource {
   /// A number for each entity.
   using OfPlaces = std::array<int64_t, kMaxRingEntities>;
 
-  void pass_attended() ENGRAM_REQUIRES(passing_);
+  /// `is_counted`: what passes counts against the rate. What was held when somebody else's question
+  /// or subscription opened attention does not: a second of its provider may be in it at once.
+  void pass_attended(bool is_counted) ENGRAM_REQUIRES(passing_);
   /// The entries that can be read now. Nothing where the client broke the ring.
   std::optional<SensoryRingReader::Range> look() ENGRAM_REQUIRES(passing_);
   /// Passes an entry's snapshots of the `wanted` entities, as far as they are chosen (empty: all).
   /// Returns the entities of which it did, or cannot ever.
-  uint64_t pass_entry(const SensoryEntry& entry, uint64_t wanted, size_t& budget,
+  uint64_t pass_entry(const SensoryEntry& entry, uint64_t wanted, size_t& budget, bool is_counted,
                       const memory::IsChosen& is_chosen) ENGRAM_REQUIRES(passing_);
   /// The snapshots that are to pass; `wanted` is left with their entities.
   Result<v1::CommitRequest> read_head(const SensoryEntry& entry, uint64_t& wanted, size_t& budget,
                                       const memory::IsChosen& is_chosen) ENGRAM_REQUIRES(passing_);
-  Status take(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget)
-      ENGRAM_REQUIRES(passing_);
-  /// Counts a call against the rate, if no entry of the `passed` ones was counted for it.
-  Status count_call(uint64_t passed) ENGRAM_REQUIRES(passing_);
+  Status take(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget,
+              bool is_counted) ENGRAM_REQUIRES(passing_);
+  /// Counts a call against the rate, unless an entry was counted that it may be of.
+  Status count_call() ENGRAM_REQUIRES(passing_);
   /// When what can still pass came, at the earliest. Unit: ns of the clock that is never set.
   [[nodiscard]] int64_t oldest_came() const;
   void close(const std::string& why) ENGRAM_REQUIRES(passing_);
@@ -107,8 +109,8 @@ class SharedRing final : public memory::SensorySource {
   /// The entities of entries that passed ahead of others before them.
   std::map<uint64_t, uint64_t> passed_early_ ENGRAM_GUARDED_BY(passing_);
   EntryOutcomes outcomes_ ENGRAM_GUARDED_BY(passing_);
-  uint64_t counted_ ENGRAM_GUARDED_BY(passing_) = 0;  ///< Entries that counted against the rate.
-  uint64_t untold_ ENGRAM_GUARDED_BY(passing_) = 0;   ///< Of these, whose own calls may come yet.
+  /// Entries that counted against the rate, whose own calls may come yet.
+  uint64_t untold_ ENGRAM_GUARDED_BY(passing_) = 0;
   std::optional<SteadyTime> ended_ ENGRAM_GUARDED_BY(passing_);
   bool is_crowding_told_ ENGRAM_GUARDED_BY(passing_) = false;
 

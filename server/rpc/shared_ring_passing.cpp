@@ -13,16 +13,19 @@ namespace engram::server {
 
 void SharedRing::pass() {
   const MutexLock lock(passing_);
-  pass_attended();
+  pass_attended(false);
 }
 
 Status SharedRing::pass_until(uint64_t written) {
   const MutexLock lock(passing_);
-  if (!reader_) return failed_precondition("sensory ring {}: has not begun, or is closed", id_);
-  const uint64_t before = counted_;
-  pass_attended();
-  if (!reader_) return failed_precondition("sensory ring {}: was closed", id_);
-  ENGRAM_RETURN_IF_ERROR(count_call(counted_ - before));
+  const bool was_there = reader_.has_value();
+  pass_attended(true);
+  const Status call = count_call();
+  // What another call passed is there, whatever the rate says of this one.
+  if (!call.ok() && (!reader_ || written > end_)) return call;
+  if (!reader_)
+    return failed_precondition("sensory ring {}: {}", id_,
+                               was_there ? "was closed" : "has not begun, or is closed");
   const uint64_t sequence = written - 1;
   const Status outcome = outcomes_.of(sequence);
   if (!outcomes_.is_missed(sequence)) return outcome;
@@ -34,13 +37,9 @@ Status SharedRing::pass_until(uint64_t written) {
   return outcome;
 }
 
-/// An entry counts as a commit does against the rate, by whatever call it passes. Calls that pass
-/// none and have none that passed before them count themselves.
-Status SharedRing::count_call(uint64_t passed) {
-  if (passed > 0) {
-    untold_ += passed - 1;
-    return {};
-  }
+/// A client calls for each entry, and the first of its calls may pass many. So each entry that a
+/// call passes counts, and then the call that it may be of does not.
+Status SharedRing::count_call() {
   if (untold_ > 0) {
     --untold_;
     return {};
@@ -68,7 +67,7 @@ std::optional<SensoryRingReader::Range> SharedRing::look() {
   return range;
 }
 
-void SharedRing::pass_attended() {
+void SharedRing::pass_attended(bool is_counted) {
   if (!reader_) return;
   uint64_t attended = 0;
   uint64_t openings = 0;
@@ -101,10 +100,11 @@ void SharedRing::pass_attended() {
       if (entry->came_ns < oldest[place]) wanted &= ~bit_of_place(place);
     }
     if (wanted != 0)
-      pass_entry(*entry, wanted, budget, {});
-    else if (not_passed(entry->entities, sequence) == entry->entities)
+      pass_entry(*entry, wanted, budget, is_counted, {});
+    else if ((entry->entities & attended) != 0 &&
+             not_passed(entry->entities, sequence) == entry->entities)
+      // Too old. What nobody attends to may pass yet, when somebody does.
       outcomes_.miss(sequence, sequence + 1);
-    if (!reader_) return;
   }
   end_ = range->end;
   for (const size_t place : RingPlaces(attended)) {
@@ -128,16 +128,16 @@ void SharedRing::pass_chosen(const memory::IsChosen& is_chosen) {
     if (!entry || entry->came_ns < oldest) continue;
     const uint64_t left = not_passed(entry->entities, sequence);
     if (left == 0) continue;
-    const uint64_t passed = pass_entry(*entry, left, budget, is_chosen);
+    const uint64_t passed = pass_entry(*entry, left, budget, false, is_chosen);
     if (passed != 0) passed_early_[sequence] |= passed;
   }
 }
 
 uint64_t SharedRing::pass_entry(const SensoryEntry& entry, uint64_t wanted, size_t& budget,
-                                const memory::IsChosen& is_chosen) {
+                                bool is_counted, const memory::IsChosen& is_chosen) {
   auto message = read_head(entry, wanted, budget, is_chosen);
   if (message.ok() && message->updates_size() == 0) return 0;
-  Status status = message.ok() ? take(entry, *message, budget) : message.status();
+  Status status = message.ok() ? take(entry, *message, budget, is_counted) : message.status();
   // Overwritten while it was copied: a client that keeps to the rules does so only to what nobody
   // attended to when it began. It is lost as any other.
   if (status.code() == StatusCode::kNotFound) {
@@ -162,19 +162,28 @@ uint64_t SharedRing::pass_entry(const SensoryEntry& entry, uint64_t wanted, size
 Result<v1::CommitRequest> SharedRing::read_head(const SensoryEntry& entry, uint64_t& wanted,
                                                 size_t& budget, const memory::IsChosen& is_chosen) {
   ENGRAM_ASSIGN_OR_RETURN(v1::CommitRequest message, read_ring_head(*reader_, entry, budget));
-  std::vector<std::pair<memory::SharedSensoryEntity, uint64_t>> known;
+  if (static_cast<size_t>(message.updates_size()) > kMaxRingEntities)
+    return data_loss("found {} snapshots, needs at most {}", message.updates_size(),
+                     kMaxRingEntities);
+  struct Known {
+    memory::SharedSensoryEntity entity;
+    std::string name;
+    uint64_t bit;
+  };
+  std::vector<Known> known;
   {
     const MutexLock lock(placing_);
     for (const size_t place : RingPlaces(wanted)) {
-      if (place < entities_.size()) known.emplace_back(entities_[place], bit_of_place(place));
+      if (place < entities_.size())
+        known.push_back({entities_[place], entities_[place]->id.to_string(), bit_of_place(place)});
     }
   }
   v1::CommitRequest taken;
   int found = 0;
   uint64_t chosen = 0;
   for (v1::Snapshot& update : *message.mutable_updates())
-    for (const auto& [entity, bit] : known) {
-      if (update.entity() != entity->id.to_string()) continue;
+    for (const auto& [entity, name, bit] : known) {
+      if (update.entity() != name) continue;
       ++found;
       if (is_chosen && !is_chosen(entity->id, time_from_ns(update.time_ns()))) break;
       chosen |= bit;
@@ -187,9 +196,12 @@ Result<v1::CommitRequest> SharedRing::read_head(const SensoryEntry& entry, uint6
   return taken;
 }
 
-Status SharedRing::take(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget) {
-  ++counted_;
-  ENGRAM_RETURN_IF_ERROR(context_.take_request(who_, "commit"));
+Status SharedRing::take(const SensoryEntry& entry, v1::CommitRequest& message, size_t& budget,
+                        bool is_counted) {
+  if (is_counted) {
+    ++untold_;
+    ENGRAM_RETURN_IF_ERROR(context_.take_request(who_, "commit"));
+  }
   ENGRAM_ASSIGN_OR_RETURN(const Buffer data, copy_ring_data(context_, segment_.match.names()[0],
                                                             *reader_, entry, message, budget));
   ENGRAM_ASSIGN_OR_RETURN(WireCommit commit, take_commit(message, data));

@@ -94,6 +94,31 @@ TEST(EventQueue, KeepsWhatComesWhileItIsWide) {
   EXPECT_EQ(queue.pop(), 11);
 }
 
+TEST(EventQueue, HasItsUsualBoundsWhenWhatWaitedIsGone) {
+  Queue queue({.events = 1, .bytes = 30});
+  queue.widen({.events = 6, .bytes = 5000});
+  queue.push(0, 1000);
+  queue.push(1, 10);
+  queue.settle();
+  queue.push(2, 1);
+  queue.push(3, 1);  // The first one, of 1,000 bytes, is dropped.
+  EXPECT_EQ(queue.lost(), 1u);
+  queue.pop();
+  queue.pop();
+  queue.pop();
+  queue.push(4, 1000);
+  queue.push(5, 20);
+  EXPECT_EQ(queue.lost(), 2u) << "no two have 1,020 bytes in 30";
+
+  queue.widen({.events = 6, .bytes = 5000});
+  queue.push(6, 2000);
+  queue.settle();
+  queue.erase_if([](int event) { return event == 5 || event == 6; });
+  queue.push(7, 20);
+  queue.push(8, 20);
+  EXPECT_EQ(queue.size(), 1u);
+}
+
 TEST(EventQueue, IsBoundedWhileItIsWide) {
   Queue queue({.events = 2, .bytes = 30});
   queue.widen({.events = 3, .bytes = 0});

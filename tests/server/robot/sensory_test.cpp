@@ -3,111 +3,20 @@
 #include <gmock/gmock.h>
 #include <grpcpp/create_channel.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <condition_variable>
 #include <fstream>
-#include <mutex>
 #include <thread>
 
-#include "ltm/core/child.h"
 #include "server/client/shared_lane.h"
-#include "tests/ltm/expect_status.h"
 #include "tests/ltm/redaction/marker_program.h"
 #include "tests/server/access/secret_file.h"
-#include "tests/server/robot/running_server.h"
-#include "tests/server/robot/sensory_images.h"
+#include "tests/server/robot/sensory_fixture.h"
 
 namespace engram::server {
 namespace {
 
-using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using testing::image_commit;
-using testing::is_whole_image;
-using testing::kLeft;
-using testing::kRight;
-using testing::RunningServer;
-
-/// Collects what a subscriber is told, and whether all of it was whole.
-class ToldImages {
- public:
-  SubscriptionHandlers handlers() {
-    SubscriptionHandlers made;
-    made.on_snapshots = [this](const std::vector<ToldSnapshot>& told) {
-      const std::scoped_lock lock(mutex_);
-      for (const ToldSnapshot& one : told) {
-        const int64_t at = to_ns(one.snapshot.time);
-        times_.push_back(at);
-        if (!one.has_data || !is_whole_image(one.snapshot.instances[0].data, at)) ++broken_;
-      }
-      changed_.notify_all();
-    };
-    return made;
-  }
-
-  std::vector<int64_t> wait_for(size_t count) {
-    std::unique_lock lock(mutex_);
-    EXPECT_TRUE(changed_.wait_for(lock, 10s, [&] { return times_.size() >= count; }))
-        << times_.size() << " came";
-    return times_;
-  }
-
-  int broken() {
-    const std::scoped_lock lock(mutex_);
-    return broken_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::vector<int64_t> times_;
-  int broken_ = 0;
-};
-
-class Sensory : public ::testing::TestWithParam<bool> {
- protected:
-  void start(Duration hold = 10s) {
-    auto& sensory = running_.options.service.sensory;
-    sensory.segments = {{*ltm::MemoryId::parse("Vision/RGB"), hold}};
-    sensory.query_attention = 30ms;
-    running_.options.service.store_interval = 20ms;
-    running_.start();
-    client_ = running_.client({.shares_memory = shares()});
-  }
-
-  /// Whether the client shares memory; without it the server holds what it sends.
-  [[nodiscard]] static bool shares() {
-    return ::testing::UnitTest::GetInstance()->current_test_info()->value_param() == nullptr ||
-           GetParam();
-  }
-
-  Status commit(const std::string& entity, int64_t at, size_t bytes = 20'000) {
-    return client_->commit(image_commit(entity, at, bytes));
-  }
-
-  std::vector<int64_t> ask(const std::string& text) {
-    const auto result = running_.client()->query(*ltm::Query::parse(text));
-    EXPECT_OK(result);
-    std::vector<int64_t> times;
-    if (!result.ok()) return times;
-    for (const ltm::EntityResult* entity : result->entities())
-      for (const ltm::SnapshotResult& snapshot : entity->snapshots) {
-        times.push_back(to_ns(snapshot.time));
-        EXPECT_TRUE(is_whole_image(snapshot.instances[0].data, times.back()));
-      }
-    return times;
-  }
-
-  memory::MemoryService::Counters counters() { return running_.server->service().counters(); }
-  memory::SensoryCounts counts() { return *counters().sensory; }
-
-  RunningServer running_;
-  std::unique_ptr<MemoryClient> client_;
-};
 
 INSTANTIATE_TEST_SUITE_P(SharesMemory, Sensory, ::testing::Bool());
 
@@ -369,6 +278,22 @@ TEST_P(Sensory, WhatPassesCountsAgainstTheRateAndRefusalsAreNoted) {
   EXPECT_GT(lines, 0) << "the log counts what comes again";
 }
 
+TEST_P(Sensory, WhatWasHeldPassesWhateverTheRate) {
+  const std::string token = "  - {name: eager, token_sha256: " + to_hex(hash_token("eager")) +
+                            ", role: admin, memories: all, rate: 20Hz}\n";
+  running_.options.tokens =
+      testing::write_secret(running_.folder.path() / "tokens.yaml", "tokens:\n" + token);
+  start();
+  client_ = running_.client({.token = "eager", .shares_memory = shares()});
+  // A ring tells the server of nothing; without one each commit is a call.
+  const int64_t held = shares() ? 200 : 10;
+  for (int64_t at = 1; at <= held; ++at) ASSERT_OK(commit(kLeft, at, 10));
+  const auto attention = running_.server->service().attend(kLeft);
+  ASSERT_OK(attention);
+  EXPECT_EQ(counts().passed, static_cast<uint64_t>(held));
+  EXPECT_EQ(counts().refused, 0u);
+}
+
 TEST_P(Sensory, RedactsWhatPasses) {
   running_.with_store();
   ltm::EntityRule rule{"cameras", *ltm::EntityPattern::parse("Vision"), {}, {}, {}, {}};
@@ -417,11 +342,15 @@ TEST_P(Sensory, OpensExactlyWhileAClientWrites) {
   std::jthread provider([&] {
     for (int64_t at = 1; !is_over; ++at) {
       ASSERT_OK(client_->commit(RunningServer::commit(kLeft, at)));
-      last = at;
+      ASSERT_OK(client_->commit(RunningServer::commit(kRight, at)));
+      last = 2 * at;
       if (at % 8 == 0) std::this_thread::sleep_for(100us);
     }
   });
   memory::MemoryService& service = running_.server->service();
+  // The ring has images of the other eye, too, to which somebody attends all the time.
+  const auto other = service.attend(kRight);
+  ASSERT_OK(other);
   while (last < 100) std::this_thread::sleep_for(1ms);
   for (int i = 0; i < kOpenings; ++i) {
     const int64_t before = last;
@@ -443,156 +372,6 @@ TEST_P(Sensory, OpensExactlyWhileAClientWrites) {
   EXPECT_EQ(memory.superseded, 0u);
   EXPECT_EQ(counts().refused, 0u);
   EXPECT_EQ(counts().lost(), 0u);
-}
-
-TEST_F(Sensory, WhatAProviderWroteCanPassAfterItsEnd) {
-  start(500ms);
-  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
-  client_.reset();
-  EXPECT_THAT(ask("Vision @ all"), ElementsAre(1, 2, 3));
-  std::this_thread::sleep_for(800ms);
-  EXPECT_EQ(running_.server->service().sensory()->source_count(), 1u) << "its ring is gone";
-  EXPECT_EQ(counts().committed, 3u);
-}
-
-class SensoryLoan : public Sensory {
- protected:
-  static std::vector<ArrayToLend> wanted(int64_t bytes) {
-    return {{*ltm::MemoryId::parse(kLeft), idf::ElementType::kUInt8, {bytes, 3}},
-            {*ltm::MemoryId::parse(kRight), idf::ElementType::kUInt8, {bytes}}};
-  }
-
-  static ltm::Commit commit_of_loan(const Loan& loan, int64_t at) {
-    ltm::Commit commit;
-    for (size_t eye = 0; eye < 2; ++eye) {
-      std::ranges::fill(loan.bytes(eye), std::byte(at % 251));
-      commit.updates.push_back({*ltm::MemoryId::parse(eye == 0 ? kLeft : kRight),
-                                time_from_ns(at),
-                                {{loan.array(eye), {}}}});
-    }
-    return commit;
-  }
-};
-
-TEST_P(SensoryLoan, WhatIsWrittenThereIsHeldAndPasses) {
-  start();
-  int in_ring = 0;
-  for (int64_t at = 1; at <= 40; ++at) {
-    auto loan = client_->lend(wanted(50'000));
-    ASSERT_OK(loan);
-    in_ring += loan->is_in_ring();
-    ASSERT_OK(client_->commit(commit_of_loan(*loan, at)));
-    ASSERT_OK(client_->lend(wanted(70'000)));
-  }
-  EXPECT_EQ(in_ring, shares() ? 39 : 0) << "the first commit tells that its segment is sensory";
-  EXPECT_EQ(counts().held, 80u);
-  EXPECT_EQ(ask("Vision @ all").size(), 80u);
-  EXPECT_EQ(counts().refused, 0u);
-}
-
-TEST_P(SensoryLoan, WhatIsCommittedOtherwiseIsCopied) {
-  start();
-  for (int64_t at = 1; at <= 2; ++at) {
-    ASSERT_OK(commit(kLeft, at));
-    ASSERT_OK(commit(kRight, at));
-  }
-  auto loan = client_->lend(wanted(20'000));
-  ASSERT_OK(loan);
-  ltm::Commit both = commit_of_loan(*loan, 3);
-  ltm::Commit swapped = both;
-  std::swap(swapped.updates[0].entity, swapped.updates[1].entity);
-  std::swap(swapped.updates[0], swapped.updates[1]);
-  ASSERT_OK(client_->commit(swapped));
-  ltm::Commit one = both;
-  one.updates.pop_back();
-  one.updates[0].time = time_from_ns(4);
-  std::ranges::fill(loan->bytes(0), std::byte(4));
-  ASSERT_OK(client_->commit(one));
-  std::ranges::fill(loan->bytes(0), std::byte(5));
-  std::ranges::fill(loan->bytes(1), std::byte(5));
-  for (ltm::EntityUpdate& update : both.updates) update.time = time_from_ns(5);
-  ASSERT_OK(client_->commit(both));
-  for (ltm::EntityUpdate& update : both.updates) update.time = time_from_ns(5 + 251);
-  ASSERT_OK(client_->commit(both));
-  EXPECT_THAT(ask(kLeft + std::string(" @ all")), ElementsAre(1, 2, 3, 4, 5, 256));
-  EXPECT_THAT(ask(kRight + std::string(" @ all")), ElementsAre(1, 2, 3, 5, 256));
-}
-
-TEST_P(SensoryLoan, NamesWhatNoArrayCanHave) {
-  start();
-  auto arrays = wanted(10);
-  arrays[1].shape = {-1, 3};
-  EXPECT_FAILS(client_->lend(arrays), StatusCode::kInvalidArgument, kRight);
-}
-
-INSTANTIATE_TEST_SUITE_P(SharesMemory, SensoryLoan, ::testing::Bool());
-
-TEST_F(Sensory, NobodyElseCanMapARing) {
-  start();
-  for (int64_t at = 1; at <= 3; ++at) ASSERT_OK(commit(kLeft, at));
-  // Not even who may read the memory, with any name of a slab.
-  ClientOptions options;
-  const auto channel = grpc::CreateChannel(running_.endpoint(), grpc::InsecureChannelCredentials());
-  const auto stub = v1::MemoryServer::NewStub(channel);
-  const auto other = SharedLane::open(*stub, options);
-  ASSERT_NE(other, nullptr);
-  for (SlabId slab = 1; slab < 10; ++slab) {
-    const BlockRef block{slab, 0, 64, 1};
-    EXPECT_FALSE(other->memory().readable(block, 64).ok()) << slab;
-    EXPECT_FALSE(other->memory().writable(block).ok()) << slab;
-  }
-}
-
-/// A provider in a process of its own, killed when this ends, at any moment of a write.
-class Provider {
- public:
-  explicit Provider(const std::string& endpoint) {
-    int ends[2];
-    EXPECT_EQ(::pipe(ends), 0);
-    const auto child = start_child({ENGRAM_SENSORY_PEER, endpoint, kLeft}, {ends[1], {}});
-    EXPECT_OK(child);
-    pid_ = child.value_or(-1);
-    ::close(ends[1]);
-    char first = 0;
-    EXPECT_EQ(::read(ends[0], &first, 1), 1) << "it did not begin to write";
-    ::close(ends[0]);
-  }
-  Provider(const Provider&) = delete;
-  Provider& operator=(const Provider&) = delete;
-  ~Provider() {
-    if (pid_ > 0 && ::kill(pid_, SIGKILL) == 0) ::waitpid(pid_, nullptr, 0);
-  }
-
- private:
-  pid_t pid_ = -1;
-};
-
-TEST_F(Sensory, SurvivesProvidersThatAreKilledWhileTheyWrite) {
-  start(500ms);
-  uint64_t told_before = 0;
-  for (int round = 0; round < 8; ++round) {
-    ToldImages told;
-    const auto consumer = running_.client();
-    std::unique_ptr<Subscription> listening;
-    const Time begin = system_now();
-    {
-      const Provider provider(running_.endpoint());
-      auto subscribed = consumer->subscribe({.names = {kLeft}, .with_data = true}, told.handlers());
-      ASSERT_OK(subscribed);
-      listening = *std::move(subscribed);
-      told.wait_for(20);
-      std::this_thread::sleep_for(std::chrono::microseconds(700 * round + 13));
-    }
-    std::vector<int64_t> times = told.wait_for(20);
-    // The ring of the one before is another, whose last images may come in between.
-    std::erase_if(times, [&](int64_t time) { return time < to_ns(begin); });
-    EXPECT_TRUE(std::ranges::is_sorted(times));
-    for (size_t i = 1; i < times.size(); ++i) ASSERT_EQ(times[i], times[i - 1] + 1) << round;
-    EXPECT_EQ(told.broken(), 0);
-    told_before += times.size();
-  }
-  EXPECT_EQ(counts().refused, 0u);
-  EXPECT_GE(counts().passed, told_before);
 }
 
 }  // namespace
