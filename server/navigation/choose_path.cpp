@@ -13,10 +13,13 @@ namespace {
 /// A place is kept while one of the places that its name stands for is nearer than this. Beside
 /// furniture those are up to 0.4 m apart.
 constexpr double kSamePlaceM = 0.4;
+/// A location has one place, and is where it was or is not.
+constexpr double kMovedM = 0.02;
 
 bool is_near_one(const std::vector<PlanarPose>& poses, const PlanarPose& pose) {
+  const double near_m = poses.size() > 1 ? kSamePlaceM : kMovedM;
   return std::any_of(poses.begin(), poses.end(), [&](const PlanarPose& one) {
-    return (one.position() - pose.position()).norm() <= kSamePlaceM;
+    return (one.position() - pose.position()).norm() <= near_m;
   });
 }
 

@@ -2,6 +2,7 @@
 #include "server/navigation/drive_run.h"
 
 #include <cmath>
+#include <limits>
 
 #include "server/navigation/free_space.h"
 #include "server/navigation/plan_check.h"
@@ -199,21 +200,17 @@ Result<bool> DriveRun::is_map_kept() {
 }
 
 Result<bool> DriveRun::is_goal_there(bool is_urgent) {
-  if (!goal_ || goal_->name.empty() || goal_map_ == map_->id) return true;
+  if (!goal_ || goal_->name.empty()) return true;
   if (!is_urgent && state_.time - goal_checked_ < kBetweenChecks) return true;
   ENGRAM_ASSIGN_OR_RETURN(const bool is_there,
                           asked([&] { return is_goal_near(path_inputs(), *goal_); }));
   // Where it is not there, it is asked again until the robot plans.
-  if (is_there) {
-    goal_map_ = map_->id;
-    goal_checked_ = state_.time;
-  }
+  if (is_there) goal_checked_ = state_.time;
   return is_there;
 }
 
 void DriveRun::keep_goal(const ChosenPath& chosen) {
   goal_ = KeptGoal{chosen.goal, chosen.name};
-  goal_map_ = map_->id;
   goal_checked_ = state_.time;
 }
 
@@ -245,7 +242,10 @@ Result<bool> DriveRun::replan() {
   }
   keep_goal(chosen);
   ENGRAM_RETURN_IF_ERROR(commit_plan(chosen));
-  follower_ = std::make_unique<PathFollower>(chosen.found.path, driver_.options_.limits);
+  // Where nothing was commanded yet, what the base measures is all there is.
+  const double speed_m_s =
+      follower_ ? follower_->last_speed_m_s() : std::numeric_limits<double>::infinity();
+  follower_ = std::make_unique<PathFollower>(chosen.found.path, driver_.options_.limits, speed_m_s);
   ++outcome_.replans;
   ENGRAM_RETURN_IF_ERROR(commit_event(
       EventKind::REPLANNED, fmt::format("takes another way to '{}', {} long", goal_text(request_),

@@ -53,8 +53,9 @@ class DriveRun {
   /// One command to the base. Returns whether the drive goes on.
   Result<bool> go_on();
   Result<bool> replan();
-  /// Whether what was asked for by name is still where the robot drives to, by the newest map. It
-  /// is looked for twice a second, and at once if that is urgent.
+  /// Whether what was asked for by name is still where the robot drives to. It is looked for twice
+  /// a second, and at once if that is urgent; also if no map came, because a thing in a hand or on
+  /// furniture and a location move without one.
   Result<bool> is_goal_there(bool is_urgent);
   /// Remembers the goal of a way that was found.
   void keep_goal(const ChosenPath& chosen);
@@ -95,8 +96,7 @@ class DriveRun {
   std::optional<PlanarPose> here_{};  ///< Where it last came on to.
   std::optional<Obstacle> held_by_{};
   ltm::MemoryId looked_at_;  ///< The map that the way was compared with.
-  ltm::MemoryId goal_map_;   ///< The map in which the goal was last found.
-  Time goal_checked_{};      ///< When that was.
+  Time goal_checked_{};      ///< When the goal was last found.
   Time checked_{};           ///< When the map was last compared with the objects.
   ltm::MemoryId stale_map_;  ///< The map that was stale then.
   std::string stale_;        ///< What was newer.

@@ -60,8 +60,9 @@ Result<std::vector<KnownLocation>> known_locations(Memory& memory) {
     auto location = ::navigation::Location::from_idf(data);
     // One that is malformed must not keep the robot from going anywhere else.
     if (!location.ok()) {
-      log::warning("navigation: location '{}' is no place: {}", id.printable(),
-                   location.status().message());
+      // A drive looks twice a second.
+      log::debug("navigation: location '{}' is no place: {}", id.printable(),
+                 location.status().message());
       continue;
     }
     known.push_back({id, *std::move(location)});

@@ -33,7 +33,7 @@ Status commit_location(Memory& memory, const std::string& provider,
 /// one next to the robot of `chair_1`, `chair_2`. Case does not count, and `_` is a space.
 ///
 /// `rules` are those of the map: they say which things there are, and in which member each has its
-/// pose. A location that is no navigation::Location is skipped, with a warning in the log.
+/// pose. A location that is no navigation::Location is skipped.
 ///
 /// Beside an object the robot faces it: furniture from its front (where its x axis points away from
 /// the robot), all else from where the robot is.

@@ -80,8 +80,9 @@ SafeSpeed safe_speed(const PlanarPose& robot, double speed_m_s, double curvature
   return safe;
 }
 
-PathFollower::PathFollower(std::vector<PlanarPose> path, const DriveLimits& limits)
-    : path_(std::move(path)), limits_(limits) {
+PathFollower::PathFollower(std::vector<PlanarPose> path, const DriveLimits& limits,
+                           double last_speed_m_s)
+    : path_(std::move(path)), limits_(limits), last_speed_m_s_(last_speed_m_s) {
   ENGRAM_CHECK(path_.size() >= 2, "a way has {} poses", path_.size());
   along_m_.push_back(0);
   for (size_t i = 1; i < path_.size(); ++i)

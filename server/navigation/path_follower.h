@@ -38,8 +38,10 @@ struct DriveLimits {
 /// the speed ISO 13855, speed and separation monitoring.
 class PathFollower {
  public:
-  /// The way has at least its start and its goal.
-  PathFollower(std::vector<PlanarPose> path, const DriveLimits& limits);
+  /// The way has at least its start and its goal. `last_speed_m_s`: that of the last command
+  /// before, for a robot that drives already; what it measures may be older.
+  PathFollower(std::vector<PlanarPose> path, const DriveLimits& limits,
+               double last_speed_m_s = std::numeric_limits<double>::infinity());
 
   struct Step {
     Twist twist;
@@ -58,6 +60,7 @@ class PathFollower {
   [[nodiscard]] double distance_m(const Eigen::Vector2d& point) const;
 
   [[nodiscard]] const std::vector<PlanarPose>& path() const { return path_; }
+  [[nodiscard]] double last_speed_m_s() const { return last_speed_m_s_; }
 
  private:
   struct Target {
@@ -74,8 +77,8 @@ class PathFollower {
   std::vector<double> along_m_;  ///< Of each corner.
   const DriveLimits limits_;
   double progress_m_ = 0;
-  double last_speed_m_s_ = std::numeric_limits<double>::infinity();  ///< Of the last command.
-  bool is_at_goal_ = false;                                          ///< It only turns any more.
+  double last_speed_m_s_;    ///< Of the last command.
+  bool is_at_goal_ = false;  ///< It only turns any more.
 };
 
 /// The fastest speed on an arc, at most `speed_m_s`, from which the robot could stop in time, and

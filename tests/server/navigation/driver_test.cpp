@@ -265,6 +265,30 @@ TEST_F(DriverTest, LooksForItsGoalAgainBeforeItSaysThatItArrived) {
   EXPECT_GE(outcome->replans, 1);
 }
 
+TEST_F(DriverTest, GoesToWhereALocationWasMovedByLittle) {
+  start({.chairs = 0, .persons = 0});
+  const auto commit_at = [&](double x_m) {
+    ::navigation::Location post;
+    post.name = "post";
+    post.pose_world_location = PlanarPose{x_m, -4, 0}.to_array();
+    return commit_location(*memory, "test", post, floor->now());
+  };
+  ASSERT_OK(commit_at(0));
+  floor->put_robot({-4, -4, 0});
+  bool is_moved = false;
+  // Nothing on the floor moves, so no map tells of it.
+  floor->on_step = [&] {
+    if (is_moved || floor->state()->pose_world_robot.x_m < -2) return;
+    is_moved = true;
+    ASSERT_OK(commit_at(0.25));
+  };
+  const auto outcome = driver->drive({.goal = "post"}, *floor);
+  ASSERT_OK(outcome);
+  EXPECT_TRUE(outcome->has_arrived()) << outcome->reason;
+  EXPECT_TRUE(is_moved);
+  EXPECT_NEAR(floor->state()->pose_world_robot.x_m, 0.25, 0.07);
+}
+
 TEST_F(DriverTest, RefusesARequestThatNamesNoPlace) {
   start();
   const PlanarPose before = floor->state()->pose_world_robot;

@@ -74,7 +74,6 @@ class SimulatedFloor : public DriveBase {
   [[nodiscard]] double min_distance_m() const { return min_distance_m_; }
   [[nodiscard]] Time now() const { return now_; }
 
-  /// A place where the robot may stand.
   /// Where a thing or piece of furniture really is. Nothing where there is no such one.
   [[nodiscard]] std::optional<Obstacle> body(const std::string& name) const;
 
