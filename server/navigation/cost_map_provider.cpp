@@ -128,29 +128,18 @@ void CostMapProvider::run(const std::stop_token& stop) {
 }
 
 Status CostMapProvider::bring_up_to_date() {
-  for (const FloorThings::Change& change : things_.take_changes()) {
-    is_outdated_ = true;
-    if (change.obstacle)
-      map_.set(change.entity, *change.obstacle,
-               change.obstacle->max_speed_m_s * options_.rules.reaction_s);
-    else
-      map_.remove(change.entity);
-  }
+  is_outdated_ |= apply_changes(things_, options_.rules, map_);
   return is_outdated_ ? commit_map() : Status();
 }
 
 Status CostMapProvider::commit_map() {
-  Time newest = things_.newest();
-  if (newest == Time{} && last_time_ == Time{}) {
-    // Nothing tells the time yet. A map of the year 1970 would be the beginning of the memory.
-    if (!options_.base) {
-      MutexLock lock(mutex_);
-      latest_ = map_of_things(things_, map_);
-      return {};
-    }
-    newest = system_now();
+  // Nothing tells the time yet. A map of the year 1970 would be the beginning of the memory.
+  if (things_.newest() == Time{} && last_time_ == Time{}) {
+    MutexLock lock(mutex_);
+    latest_ = map_of_things(things_, map_);
+    return {};
   }
-  const Time time = std::max(newest, last_time_ + Duration(1));
+  const Time time = std::max(things_.newest(), last_time_ + Duration(1));
   CostMap map = map_of_things(things_, map_);
   map.version = version_ + 1;
   map.id = entity_.at(time).instance(0);

@@ -20,7 +20,7 @@ namespace engram::navigation {
 /// It subscribes to them and commits a map, a navigation::CostMap, whenever one of them moved. What
 /// comes while a map is made goes into the next one. The time of a map is that of the newest
 /// snapshot in it, or a nanosecond more than that of the map before. As long as no thing is known
-/// there is no map, unless there is a base, whose first map is of now.
+/// none is committed, because nothing tells the time.
 /// Threading: thread-safe; a thread of its own makes the maps.
 /// Owns: nothing of the memory, which must outlive it.
 /// Source: docs/navigation.md.

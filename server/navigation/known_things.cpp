@@ -24,6 +24,16 @@ Result<FloorThings> known_things(Memory& memory, const MapRules& rules, std::opt
   return things;
 }
 
+bool apply_changes(FloorThings& things, const MapRules& rules, ObstacleMap& map) {
+  const std::vector<FloorThings::Change> changes = things.take_changes();
+  for (const FloorThings::Change& change : changes)
+    if (change.obstacle)
+      map.set(change.entity, *change.obstacle, change.obstacle->max_speed_m_s * rules.reaction_s);
+    else
+      map.remove(change.entity);
+  return !changes.empty();
+}
+
 CostMap map_of_things(const FloorThings& things, ObstacleMap& made) {
   CostMap map;
   map.frame = made.frame();
@@ -38,9 +48,7 @@ CostMap map_of_things(const FloorThings& things, ObstacleMap& made) {
 Result<CostMap> map_of_known_things(Memory& memory, const MapRules& rules, std::optional<Time> at) {
   ENGRAM_ASSIGN_OR_RETURN(FloorThings things, known_things(memory, rules, at));
   ENGRAM_ASSIGN_OR_RETURN(ObstacleMap made, ObstacleMap::create(rules.frame, rules.costs));
-  for (const FloorThings::Change& change : things.take_changes())
-    if (change.obstacle)
-      made.set(change.entity, *change.obstacle, change.obstacle->max_speed_m_s * rules.reaction_s);
+  apply_changes(things, rules, made);
   CostMap map = map_of_things(things, made);
   if (things.newest() != Time{}) map.id = rules.entity().at(things.newest()).instance(0);
   return map;

@@ -19,6 +19,10 @@ Status tell_things(Memory& memory, FloorThings& things, std::optional<Time> at =
 Result<FloorThings> known_things(Memory& memory, const MapRules& rules,
                                  std::optional<Time> at = {});
 
+/// Brings a map up to date with what changed of things since the last call. Returns whether any
+/// did.
+bool apply_changes(FloorThings& things, const MapRules& rules, ObstacleMap& map);
+
 /// The map of these things as `made` has it, with version 0 and without an ID.
 [[nodiscard]] CostMap map_of_things(const FloorThings& things, ObstacleMap& made);
 

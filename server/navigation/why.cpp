@@ -68,7 +68,9 @@ std::string told_by(const idf::Data& value) {
 
 /// The last snapshot of an entity that names no time.
 Result<ltm::MemoryId> with_time(Memory& memory, const ltm::MemoryId& id) {
-  if (!id.has_entity() || id.time()) return id;
+  if (!id.has_entity()) return id;
+  // As links name it, so that a circle of them is seen.
+  if (id.time()) return id.index() ? id : id.instance(0);
   ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
                           memory.query(ltm::Query::of_entity(id, ltm::select::Latest{})));
   const ltm::EntityResult* entity = found.find_entity(id);
