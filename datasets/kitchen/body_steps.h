@@ -18,8 +18,8 @@ enum class SkillStep : uint8_t {
 
 /// A wish that time passes in a body whose time is held.
 struct PassWish {
-  uint64_t id = 0;  ///< Whoever asks again for the same has the same.
-  uint64_t samples = 1;
+  uint64_t id = 0;         ///< Whoever asks again for the same has the same.
+  uint64_t samples = 1;    ///< 0 withdraws the wish of that ID.
   bool until_end = false;  ///< It is over as soon as an execution of a skill ends.
 };
 
@@ -30,7 +30,7 @@ struct PassWish {
 /// does not wait. A body that is held stands still besides, except while pass() runs.
 /// Errors of all calls: kFailedPrecondition if the body does not wait for skills; kUnavailable if
 /// it cannot be reached; kCancelled if it has ended. Threading: thread-safe. Source:
-/// docs/kitchen.md, section "Live".
+/// docs/kitchen.md, section "Steps".
 class BodySteps {
  public:
   virtual ~BodySteps() = default;
@@ -38,7 +38,8 @@ class BodySteps {
   virtual Status tell(SkillStep step) = 0;
 
   /// Lets time pass. Returns the sample at which it stands again, once all clients are done with
-  /// it. Errors: also kFailedPrecondition if time is not held; kCancelled if `stop` is requested.
+  /// it. Errors: also kFailedPrecondition if time is not held; kCancelled if `stop` is requested,
+  /// and then time stands again.
   virtual Result<uint64_t> pass(const PassWish& wish, const std::stop_token& stop) = 0;
 };
 

@@ -48,11 +48,12 @@ class NearSteps final : public BodySteps {
 
   Status tell(SkillStep step) override { return body_.step(step); }
   Result<uint64_t> pass(const PassWish& wish, const std::stop_token& stop) override {
-    while (true) {
-      if (stop.stop_requested()) return cancelled("told to stop");
+    while (!stop.stop_requested()) {
       ENGRAM_ASSIGN_OR_RETURN(const auto sample, body_.pass(wish, {.stop = stop}));
       if (sample) return *sample;
     }
+    ENGRAM_RETURN_IF_ERROR(body_.pass({.id = wish.id, .samples = 0}, {.stop = stop}).status());
+    return cancelled("told to stop");
   }
 
  private:

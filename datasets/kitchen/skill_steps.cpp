@@ -35,7 +35,10 @@ Status SkillSteps::take(SkillStep step) {
 Status SkillSteps::pass(const PassWish& wish, uint64_t sample) {
   if (!is_held_)
     return failed_precondition("kitchen: its time is not held, so it passes by itself");
-  if (pass_ && pass_->id == wish.id) return {};
+  if (pass_ && pass_->id == wish.id) {
+    if (wish.samples == 0) is_over_ = true;
+    return {};
+  }
   if (!is_over_) return failed_precondition("kitchen: its time passes already for somebody else");
   pass_ = wish;
   until_ = sample + wish.samples;

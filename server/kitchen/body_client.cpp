@@ -172,12 +172,14 @@ class FarSteps final : public kitchen::BodySteps {
   }
 
   Result<uint64_t> pass(const kitchen::PassWish& wish, const std::stop_token& stop) override {
-    while (true) {
-      if (stop.stop_requested()) return cancelled("told to stop");
-      v1::BodyPassReply reply;
+    v1::BodyPassReply reply;
+    while (!stop.stop_requested()) {
       ENGRAM_RETURN_IF_ERROR(calls_.call(&Async::Pass, to_message(wish), reply));
       if (reply.has_passed()) return read_sample(reply.sample(), "the end of a pass");
     }
+    ENGRAM_RETURN_IF_ERROR(
+        calls_.call(&Async::Pass, to_message({.id = wish.id, .samples = 0}), reply));
+    return cancelled("told to stop");
   }
 
  private:

@@ -456,10 +456,16 @@ TEST_F(LiveBodySkills, LetHeldTimePassAsLongAsSomebodyWants) {
   ASSERT_OK(ended);
   EXPECT_EQ(*ended, 42u);
   EXPECT_TRUE(stands());
+  // A stop ends it while it passes, and somebody else may let time pass then.
   std::stop_source stop;
-  stop.request_stop();
+  std::jthread stopping([&] {
+    EXPECT_OK(body_->bus("one")->wait(60, {}));
+    stop.request_stop();
+  });
   EXPECT_FAILS(steps_->pass({.id = 3, .samples = 1'000'000}, stop.get_token()),
                StatusCode::kCancelled, "told to stop");
+  EXPECT_TRUE(stands());
+  EXPECT_OK(steps_->pass({.id = 4, .samples = 5}, {}));
 }
 
 TEST(LiveBody, FollowsTheClockWhenItIsNotStepped) {
