@@ -18,10 +18,12 @@ using kitchen::Side;
 constexpr int kPoseNumbers = 12;
 constexpr int kMaxSamplesPerPixel = 64;
 constexpr int kMaxSide = 4096;
-/// A thousand years. Times of samples are computed, and must not overflow.
-constexpr uint64_t kMaxSample = uint64_t{1'000} * 366 * 24 * 3600 * kitchen::RobotBus::kRate_hz;
 /// No time before 1970 or after 2200.
 constexpr int64_t kMaxStart_ns = int64_t{230} * 365 * 24 * 3600 * 1'000'000'000;
+/// Sixty years. Times of samples are computed, and must not overflow.
+constexpr uint64_t kMaxSample = uint64_t{60} * 365 * 24 * 3600 * kitchen::RobotBus::kRate_hz;
+static_assert(kMaxSample / kitchen::RobotBus::kRate_hz <
+              (uint64_t{INT64_MAX} - uint64_t{kMaxStart_ns}) / 1'000'000'000);
 constexpr uint64_t kMaxPass = uint64_t{24} * 3600 * kitchen::RobotBus::kRate_hz;
 
 template <typename Vector>
