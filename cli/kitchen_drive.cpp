@@ -30,15 +30,18 @@ timeout: 5min
 )";
 
 /// The room is small, and the robot's arms are over the furniture: it keeps less distance than a
-/// robot in a hall, and drives slowly. The radius is that of the platform.
-constexpr double kRadius_m = 0.24;
+/// robot in a hall, and drives slowly.
 constexpr double kInflation_m = 0.45;
+/// Things are told five times a second, and the platform hears a command within two periods of
+/// control.
+constexpr double kReaction_s = 0.3;
 
 nav::MapRules kitchen_rules() {
   nav::MapRules rules;
   rules.provider = "kitchen";
-  rules.costs.robot_radius_m = kRadius_m;
+  rules.costs.robot_radius_m = kitchen::kPlatformRadius_m;
   rules.costs.inflation_radius_m = kInflation_m;
+  rules.reaction_s = kReaction_s;
   return rules;
 }
 
@@ -149,7 +152,8 @@ class LiveNavigation final : public KitchenNavigation {
 Result<std::unique_ptr<KitchenNavigation>> KitchenNavigation::start(Memory& memory) {
   nav::Driver::Options driving;
   driving.rules = kitchen_rules();
-  driving.limits.robot_radius_m = kRadius_m;
+  driving.limits.robot_radius_m = kitchen::kPlatformRadius_m;
+  driving.limits.reaction_s = kReaction_s;
   driving.limits.max_speed_m_s = 0.45;
   ENGRAM_ASSIGN_OR_RETURN(auto maps, nav::CostMapProvider::start(memory, {.rules = driving.rules}));
   ENGRAM_ASSIGN_OR_RETURN(auto driver, nav::Driver::open(memory, driving));
