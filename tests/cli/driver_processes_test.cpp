@@ -22,6 +22,7 @@ class Drivers : public ::testing::Test {
                             [&](const std::string& driver, const std::string& line) {
                               lines_.push_back(driver + ": " + line);
                               is_over_ = is_over_ || line == last;
+                              if (line == stops_at_) stop_.request_stop();
                             },
                         .on_end = [&](const std::string& driver, int code,
                                       Duration) { ends_.emplace_back(driver, code); },
@@ -37,6 +38,7 @@ class Drivers : public ::testing::Test {
   std::vector<std::string> lines_;
   std::vector<std::pair<std::string, int>> ends_;
   bool is_over_ = false;
+  std::string stops_at_;  ///< The line at which a stop is requested.
   std::stop_source stop_;
 };
 
@@ -53,9 +55,9 @@ TEST_F(Drivers, AreToldOfTheEndUnlessTheySeeItThemselves) {
 }
 
 TEST_F(Drivers, AreAllToldWhenAStopIsRequested) {
-  stop_.request_stop();
-  // A script that is told before it has set its trap says nothing, and ends all the same.
+  stops_at_ = "here";  // It has set its trap by then.
   EXPECT_OK(run({script("state", kSaysGoodbye, true)}, "never"));
+  EXPECT_THAT(lines_, Contains("state: goodbye"));
 }
 
 TEST_F(Drivers, LeaveWhatTheySaidWhenTheyAreKilled) {
