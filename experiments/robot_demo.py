@@ -27,6 +27,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
@@ -58,14 +59,17 @@ class WallTime:
     def __init__(self, memory: engram.Memory) -> None:
         self.memory = memory
         self._last = 0
+        self._lock = threading.Lock()
 
     def now(self) -> int:
         return time.time_ns()
 
     def stamp(self) -> int:
         """A time of now that nobody had before. IDs have six digits of a second."""
-        self._last = max(self._last + 1000, self.now() // 1000 * 1000)
-        return self._last
+        now = self.now() // 1000 * 1000
+        with self._lock:
+            self._last = max(self._last + 1000, now)
+            return self._last
 
     def sleep(self, seconds: float) -> None:
         time.sleep(seconds)
@@ -107,10 +111,18 @@ class HeldTime(WallTime):
         return 0.4
 
     def run(self, skill: str, given: dict) -> engram.SkillResult:
-        with concurrent.futures.ThreadPoolExecutor(1) as pool:
-            done = pool.submit(super().run, skill, given)
-            self.until(f"{skill} ends", done.done)
-            return done.result()
+        ended: concurrent.futures.Future[engram.SkillResult] = concurrent.futures.Future()
+
+        def wait_for_end() -> None:
+            try:
+                ended.set_result(WallTime.run(self, skill, given))
+            except Exception as error:  # pylint: disable=broad-except
+                ended.set_exception(error)
+
+        # A daemon: where time no longer passes, the skill never ends, and nobody waits for it.
+        threading.Thread(target=wait_for_end, daemon=True).start()
+        self.until(f"{skill} ends", ended.done)
+        return ended.result()
 
 
 def say(memory: engram.Memory, clock_of: WallTime, text: str, speaker: str = "Ada") -> None:
@@ -298,12 +310,16 @@ class Processes(contextlib.AbstractContextManager):
             try:
                 yield process
             finally:
+                ended = process.poll()
                 process.send_signal(signal.SIGTERM)
                 try:
                     process.wait(timeout=120)
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
+            if ended is not None or process.returncode not in (0, 128 + signal.SIGTERM):
+                raise RuntimeError(f"{words[0]} ended with {process.returncode}"
+                                   f"{'' if ended is None else ' before its time'}: see {log.name}")
 
     def run(self, *words: str) -> str:
         done = subprocess.run([self.program, *words], capture_output=True, text=True,
