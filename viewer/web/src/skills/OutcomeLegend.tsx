@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What the colours and signs of outcomes mean.
 import { For } from 'solid-js';
 import { kOutcomes, type Outcome } from './executions';
 import { pathOf } from './glyphs';

@@ -96,7 +96,7 @@ async function askLanes(entities: readonly string[], span: Span, pixels: number,
 /** Asks anew when the screen leaves what was asked for, and when an entity has news. */
 export function createLanes(entities: Accessor<readonly string[]>, view: Accessor<Span>, pixels: Accessor<number>): Request<AskedLanes> {
   const span = createMemo<Span | undefined>((before) => (entities().length === 0 ? undefined : keptWindow(before, view())), undefined, { equals: (a, b) => a?.from === b?.from && a?.to === b?.to });
-  const news = createMemo(() => entities().map(newsOf).join());
+  const news = createMemo(() => askedFor(entities()).map(newsOf).join());
   return createRequest(() => {
     const [here, ids] = [span(), entities()];
     const width = Math.min(4000, Math.round(pixels()));

@@ -58,7 +58,10 @@ export function Timeline() {
   const lanes = createLanes(createMemo(() => [...new Set(eventful().flatMap((row) => row.entities))], [], { equals: (a, b) => a.join('\n') === b.join('\n') }), view, () => area().width * 2);
   const events = createMemo<ReadonlyMap<string, EventLane>>(() => {
     const data = lanes.data();
-    return new Map(data ? eventful().map((row) => [row.id, laneOf(row.entities, data.snapshots, data.executions, data.dense)]) : []);
+    if (!data) return new Map();
+    // Lanes with more marks than are asked for show how many there are, like those of other entities.
+    const isTold = (id: string): boolean => data.snapshots.has(id) || data.executions.has(id) || data.dense.has(id);
+    return new Map(eventful().filter((row) => row.entities.some(isTold)).map((row) => [row.id, laneOf(row.entities, data.snapshots, data.executions, data.dense)]));
   });
   createEffect(() => setOnScreen(lanes.data()?.executions ?? new Map()));
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Oblique lines, for what is not recorded.
 import { SvgPen, type Pen } from '../ui/svg';
 
 const patterns = new Map<string, CanvasPattern>();

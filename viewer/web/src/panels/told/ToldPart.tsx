@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What the inspector tells of an execution, a request, a refusal or a drive.
 import { createEffect, createMemo, For, onCleanup, Show } from 'solid-js';
 import type { Moment } from '../../api/types';
 import { chosenOf, labelOf, linkOf, linksOf, parametersOf, textIn } from '../../skills/executions';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is known of an execution: its start, its reports, its end, its request, and why.
-import { getJson } from '../../api/client';
+import { ApiError, getJson } from '../../api/client';
 import { Turns } from '../../api/turns';
 import { links as linksDecoder, moment as momentDecoder, type Moment } from '../../api/types';
 import { parseId } from '../../state/ids';
@@ -25,13 +25,15 @@ export interface Told {
   readonly why: readonly Step[];
 }
 
+/** What was forgotten meanwhile is told as gone; all other errors are those of the whole question. */
+const ifGone = <T>(value: T) => (error: unknown): T => { if (error instanceof ApiError && error.code === 'not found') return value; throw error; };
+
 export function loaderOf(signal: AbortSignal): (id: string) => Promise<Moment | null> {
   const turns = new Turns(4);
   return (id) => turns.run(async () => {
     const { entity, time } = parseId(id);
     if (time === undefined) return null;
-    // What was forgotten meanwhile is told as gone.
-    return getJson('moment', { entity, at: time, which: 'exact' }, momentDecoder, signal).catch((error: unknown) => { if (signal.aborted) throw error; return null; });
+    return getJson('moment', { entity, at: time, which: 'exact' }, momentDecoder, signal).catch(ifGone(null));
   }, signal);
 }
 
@@ -51,7 +53,7 @@ export function executionIn(moment: Moment): ExecutionKey | null {
 export async function askExecution(key: ExecutionKey, signal: AbortSignal): Promise<Told> {
   const load = loaderOf(signal);
   const startId = `${key.entity}/${key.start}`;
-  const own = (await getJson('links', { id: startId }, linksDecoder, signal).catch((error: unknown) => { if (signal.aborted) throw error; return { from: [] as string[] }; })).from
+  const own = (await getJson('links', { id: startId }, linksDecoder, signal).catch(ifGone({ from: [] as string[] }))).from
     .filter((id) => parseId(id).entity === key.entity).sort((a, b) => (parseId(a).time! < parseId(b).time! ? -1 : 1));
   const shown = own.slice(-kMaxReports);
   const events = (await Promise.all([startId, ...shown].map(load))).map(toldOf).filter((one) => one !== undefined && one.started === key.start) as ToldEvent[];
