@@ -31,7 +31,12 @@ Result<std::unique_ptr<EntityPast>> ComparedPast::of(const MemoryId& entity) {
     ENGRAM_ASSIGN_OR_RETURN(const Timeline* timeline, store().timeline(entity));
     until = timeline->last();
   }
-  return join_pasts(held, until, [this, entity] { return store_.of(entity); });
+  return join_pasts({
+      .newest = held.back(),
+      .held = [&held] { return held; },
+      .until = [until] { return until; },
+      .stored = [this, entity] { return store_.of(entity); },
+  });
 }
 
 }  // namespace engram::ltm

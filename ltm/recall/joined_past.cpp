@@ -22,14 +22,16 @@ constexpr auto kTime = [](const SharedSnapshot& snapshot) { return snapshot->tim
 
 /// Asks the store only if it could change the answer. Most questions are about the newest moments,
 /// which are held, and the store may have to be opened again before it can answer.
+///
+/// The newest moment is known from the beginning. The others, which may be hundreds of thousands,
+/// are asked for when a question is about one of them, and in any case before the store is opened.
 class JoinedEntityPast final : public EntityPast {
  public:
-  using Stored = std::function<Result<std::unique_ptr<EntityPast>>()>;
-
-  JoinedEntityPast(std::vector<SharedSnapshot> held, std::optional<Time> until, Stored stored)
-      : held_(std::move(held)), until_(until), open_(std::move(stored)) {}
+  explicit JoinedEntityPast(JoinedParts parts)
+      : newest_(std::move(parts.newest)), until_(parts.until()), parts_(std::move(parts)) {}
 
   Result<std::optional<Time>> first() override {
+    fill();
     const auto here = held_.empty() ? std::nullopt : std::optional(held_.front()->time);
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
@@ -38,7 +40,7 @@ class JoinedEntityPast final : public EntityPast {
   }
 
   Result<std::optional<Time>> last() override {
-    const auto here = held_.empty() ? std::nullopt : std::optional(held_.back()->time);
+    const auto here = newest_ ? std::optional(newest_->time) : std::nullopt;
     if (is_latest(here)) return here;
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
@@ -47,8 +49,12 @@ class JoinedEntityPast final : public EntityPast {
   }
 
   Result<std::optional<Time>> at_or_after(Time time) override {
-    const auto found = std::ranges::lower_bound(held_, time, {}, kTime);
-    const auto here = found == held_.end() ? std::nullopt : std::optional((*found)->time);
+    std::optional<Time> here;
+    if (newest_ && newest_->time == time) here = time;
+    if (newest_ && newest_->time > time) {
+      fill();
+      here = (*std::ranges::lower_bound(held_, time, {}, kTime))->time;
+    }
     if (here == time || !until_ || *until_ < time) return here;
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
@@ -57,9 +63,13 @@ class JoinedEntityPast final : public EntityPast {
   }
 
   Result<std::optional<Time>> at_or_before(Time time) override {
-    const auto behind = std::ranges::upper_bound(held_, time, {}, kTime);
-    const auto here =
-        behind == held_.begin() ? std::nullopt : std::optional((*std::prev(behind))->time);
+    std::optional<Time> here;
+    if (newest_ && newest_->time <= time) here = newest_->time;
+    if (newest_ && newest_->time > time) {
+      fill();
+      const auto behind = std::ranges::upper_bound(held_, time, {}, kTime);
+      if (behind != held_.begin()) here = (*std::prev(behind))->time;
+    }
     if (here == time || is_latest(here)) return here;
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
@@ -69,6 +79,7 @@ class JoinedEntityPast final : public EntityPast {
 
   /// Complexity: O(held * log stored) if the two overlap.
   Result<std::optional<Time>> nth(uint64_t index) override {
+    fill();
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr)
       return index < held_.size() ? std::optional(held_[index]->time) : std::nullopt;
@@ -94,6 +105,7 @@ class JoinedEntityPast final : public EntityPast {
   }
 
   Result<uint64_t> count() override {
+    fill();
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return uint64_t{held_.size()};
     ENGRAM_RETURN_IF_ERROR(find_unstored(*stored));
@@ -116,6 +128,7 @@ class JoinedEntityPast final : public EntityPast {
   }
 
   Result<SharedContext> context(const std::optional<idf::Type>& type) override {
+    fill();
     EntityContext held = context_of_held(held_, type);
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return std::make_shared<const EntityContext>(std::move(held));
@@ -129,15 +142,34 @@ class JoinedEntityPast final : public EntityPast {
     return !until_ || (here && *until_ <= *here);
   }
 
-  [[nodiscard]] SharedSnapshot find(Time time) const {
+  [[nodiscard]] SharedSnapshot find(Time time) {
+    if (!newest_ || newest_->time < time) return nullptr;
+    if (newest_->time == time) return newest_;
+    fill();
     const auto found = std::ranges::lower_bound(held_, time, {}, kTime);
     return found != held_.end() && (*found)->time == time ? *found : nullptr;
   }
 
+  /// Asks working memory for all moments up to the newest.
+  void fill() {
+    if (is_filled_) return;
+    is_filled_ = true;
+    if (!newest_) return;
+    held_ = parts_.held();
+    // What came since is no part of this past, and the newest may have left.
+    std::erase_if(held_, [&](const SharedSnapshot& one) { return one->time >= newest_->time; });
+    held_.push_back(newest_);
+    // What left between the two questions is in the store.
+    until_ = parts_.until();
+  }
+
   Result<EntityPast*> stored() {
+    // Memory is asked before the store: a snapshot that leaves it meanwhile is in the store by
+    // then. In the other order it could be missed.
+    if (until_ && !is_open_) fill();
     if (!until_) return nullptr;
     if (!is_open_) {
-      ENGRAM_ASSIGN_OR_RETURN(stored_, open_());
+      ENGRAM_ASSIGN_OR_RETURN(stored_, parts_.stored());
       is_open_ = true;
     }
     return stored_.get();
@@ -159,9 +191,11 @@ class JoinedEntityPast final : public EntityPast {
     return {};
   }
 
-  const std::vector<SharedSnapshot> held_;
-  const std::optional<Time> until_;
-  const Stored open_;
+  const SharedSnapshot newest_;  ///< Null: none is held.
+  std::optional<Time> until_;
+  const JoinedParts parts_;
+  std::vector<SharedSnapshot> held_;  ///< The newest too, once they were asked for.
+  bool is_filled_ = false;
   bool is_open_ = false;
   std::unique_ptr<EntityPast> stored_;  ///< Null if the store has no past of the entity.
   std::optional<std::vector<Time>> unstored_;
@@ -169,10 +203,8 @@ class JoinedEntityPast final : public EntityPast {
 
 }  // namespace
 
-std::unique_ptr<EntityPast> join_pasts(
-    std::vector<SharedSnapshot> held, std::optional<Time> until,
-    std::function<Result<std::unique_ptr<EntityPast>>()> stored) {
-  return std::make_unique<JoinedEntityPast>(std::move(held), until, std::move(stored));
+std::unique_ptr<EntityPast> join_pasts(JoinedParts parts) {
+  return std::make_unique<JoinedEntityPast>(std::move(parts));
 }
 
 std::unique_ptr<JoinedPast> JoinedPast::create(std::string name, const WorkingMemory& memory,
@@ -198,12 +230,16 @@ std::vector<MemoryId> JoinedPast::matching(const Query& query) {
 }
 
 Result<std::unique_ptr<EntityPast>> JoinedPast::of(const MemoryId& entity) {
-  // Memory is asked before the store: a snapshot that leaves memory after this line is in the store
-  // by the time the store is asked. In the other order it could be missed.
-  std::vector<SharedSnapshot> held = memory_.all_of(entity);
-  const std::optional<Time> until = store_ ? recorded_.known_until(entity) : std::nullopt;
-  if (held.empty() && !until) return std::unique_ptr<EntityPast>();
-  return join_pasts(std::move(held), until, [this, entity] { return stored(entity); });
+  // Memory is asked before the store, here and later; see JoinedParts.
+  std::vector<SharedSnapshot> newest = memory_.all_of(entity, 1);
+  if (newest.empty() && !(store_ && recorded_.known_until(entity)))
+    return std::unique_ptr<EntityPast>();
+  return join_pasts({
+      .newest = newest.empty() ? nullptr : std::move(newest.front()),
+      .held = [this, entity] { return memory_.all_of(entity); },
+      .until = [this, entity] { return store_ ? recorded_.known_until(entity) : std::nullopt; },
+      .stored = [this, entity] { return stored(entity); },
+  });
 }
 
 Result<std::unique_ptr<EntityPast>> JoinedPast::stored(const MemoryId& entity) {

@@ -61,11 +61,22 @@ class JoinedPast final : public KnownPast {
   uint64_t seen_ = 0;  ///< Number of the last recording that the opened store shows.
 };
 
-/// Joins the held moments of an entity, sorted by time, with the past that `stored` returns.
-/// `stored` is called at most once successfully, when it is first needed, and may return null. The
-/// store has no moment after `until`, and none at all if `until` is empty.
-[[nodiscard]] std::unique_ptr<EntityPast> join_pasts(
-    std::vector<SharedSnapshot> held, std::optional<Time> until,
-    std::function<Result<std::unique_ptr<EntityPast>>()> stored);
+/// What the past of an entity is joined of.
+struct JoinedParts {
+  SharedSnapshot newest{};  ///< That working memory holds. Null: it holds none.
+  /// All that it holds, sorted by time. Called once at most, and only if one beside the newest is
+  /// asked for, or the store is.
+  std::function<std::vector<SharedSnapshot>()> held;
+  /// The store has no moment after this, and none at all if it is empty. Called at once, and again
+  /// after `held`.
+  std::function<std::optional<Time>()> until;
+  /// The past in the store, or null. Called once at most successfully, after `held`: what leaves
+  /// working memory is in the store before it is gone from there.
+  std::function<Result<std::unique_ptr<EntityPast>>()> stored;
+};
+
+/// Joins the held and the stored moments of an entity. Snapshots that come after `newest` are no
+/// part of it.
+[[nodiscard]] std::unique_ptr<EntityPast> join_pasts(JoinedParts parts);
 
 }  // namespace engram::ltm

@@ -19,15 +19,20 @@ std::vector<MemoryId> OverlaidPast::matching(const Query& query) {
 }
 
 Result<std::unique_ptr<EntityPast>> OverlaidPast::of(const MemoryId& entity) {
-  std::vector<SharedSnapshot> held = memory_.all_of(entity);
+  std::vector<SharedSnapshot> newest = memory_.all_of(entity, 1);
   ENGRAM_ASSIGN_OR_RETURN(auto below, below_->of(entity));
-  if (held.empty()) return below;
-  if (!below) return join_pasts(std::move(held), {}, {});
-  ENGRAM_ASSIGN_OR_RETURN(const auto last, below->last());
+  if (newest.empty()) return below;
+  std::optional<Time> last;
+  if (below) {
+    ENGRAM_ASSIGN_OR_RETURN(last, below->last());
+  }
   // Opened once at most, by its contract.
   auto shared = std::make_shared<std::unique_ptr<EntityPast>>(std::move(below));
-  return join_pasts(std::move(held), last, [shared]() -> Result<std::unique_ptr<EntityPast>> {
-    return std::move(*shared);
+  return join_pasts({
+      .newest = std::move(newest.front()),
+      .held = [this, entity] { return memory_.all_of(entity); },
+      .until = [last] { return last; },
+      .stored = [shared]() -> Result<std::unique_ptr<EntityPast>> { return std::move(*shared); },
   });
 }
 

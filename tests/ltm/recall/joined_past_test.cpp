@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 #include <set>
 
@@ -70,21 +71,40 @@ class ListedPast final : public EntityPast {
 
 /// Held and stored moments, and all of them in one list.
 struct Both {
-  Both(const std::set<int64_t>& in_memory, std::set<int64_t> in_store) {
+  Both(const std::set<int64_t>& in_memory, std::set<int64_t> in_store)
+      : stored(std::move(in_store)) {
     for (const int64_t at : in_memory) held.push_back(held_at(at));
     all = in_memory;
-    all.insert(in_store.begin(), in_store.end());
-    std::optional<Time> until;
-    if (!in_store.empty()) until = time_from_ns(*in_store.rbegin());
-    joined = join_pasts(held, until, [this, in_store]() -> Result<std::unique_ptr<EntityPast>> {
-      ++opened;
-      return std::unique_ptr<EntityPast>(std::make_unique<ListedPast>(in_store));
+    all.insert(stored.begin(), stored.end());
+    join();
+  }
+
+  /// Joins them anew, so that nothing was asked for yet.
+  EntityPast& join() {
+    joined = join_pasts({
+        .newest = held.empty() ? nullptr : held.back(),
+        .held =
+            [this] {
+              ++filled;
+              return held;
+            },
+        .until =
+            [this] {
+              return stored.empty() ? std::nullopt : std::optional(time_from_ns(*stored.rbegin()));
+            },
+        .stored = [this]() -> Result<std::unique_ptr<EntityPast>> {
+          ++opened;
+          return std::unique_ptr<EntityPast>(std::make_unique<ListedPast>(stored));
+        },
     });
+    return *joined;
   }
 
   std::vector<SharedSnapshot> held;
+  std::set<int64_t> stored;
   std::set<int64_t> all;
   std::unique_ptr<EntityPast> joined;
+  int filled = 0;
   int opened = 0;
 };
 
@@ -92,31 +112,34 @@ std::optional<Time> as_time(const std::set<int64_t>& times, std::set<int64_t>::c
   return at == times.end() ? std::nullopt : std::optional(time_from_ns(*at));
 }
 
-/// All questions, each answered as one list would.
-void expect_as_one(const Both& both) {
-  const auto& all = both.all;
-  EntityPast& joined = *both.joined;
+/// All questions, each answered as one list would. `past` gives the past that each is asked of.
+void expect_as_one(const std::set<int64_t>& all, const std::function<EntityPast&()>& past) {
   for (int64_t at = -1; at <= kTimes + 1; ++at) {
-    EXPECT_EQ(*joined.at_or_after(time_from_ns(at)), as_time(all, all.lower_bound(at)));
+    EXPECT_EQ(*past().at_or_after(time_from_ns(at)), as_time(all, all.lower_bound(at)));
     const auto behind = all.upper_bound(at);
-    EXPECT_EQ(*joined.at_or_before(time_from_ns(at)),
+    EXPECT_EQ(*past().at_or_before(time_from_ns(at)),
               as_time(all, behind == all.begin() ? all.end() : std::prev(behind)));
   }
-  EXPECT_EQ(*joined.first(), as_time(all, all.begin()));
-  EXPECT_EQ(*joined.last(), as_time(all, all.empty() ? all.end() : std::prev(all.end())));
-  EXPECT_EQ(*joined.count(), all.size());
+  EXPECT_EQ(*past().first(), as_time(all, all.begin()));
+  EXPECT_EQ(*past().last(), as_time(all, all.empty() ? all.end() : std::prev(all.end())));
+  EXPECT_EQ(*past().count(), all.size());
   auto next = all.begin();
   for (uint64_t index = 0; index < all.size() + 2; ++index) {
-    EXPECT_EQ(*joined.nth(index), as_time(all, next)) << "number " << index;
+    EXPECT_EQ(*past().nth(index), as_time(all, next)) << "number " << index;
     if (next != all.end()) ++next;
   }
+}
+
+/// All questions to one past, and each to one that was not asked before.
+void expect_as_one(Both&& both) {
+  expect_as_one(both.all, [&]() -> EntityPast& { return *both.joined; });
+  expect_as_one(both.all, [&]() -> EntityPast& { return both.join(); });
 }
 
 TEST(JoinedPast, AnswersAsOneListWould) {
   std::mt19937 random(11);
   for (int round = 0; round < 300; ++round) {
-    const Both both(some(random, random() % 101), some(random, random() % 101));
-    expect_as_one(both);
+    expect_as_one(Both(some(random, random() % 101), some(random, random() % 101)));
     if (::testing::Test::HasFailure()) FAIL() << "in round " << round;
   }
 }
@@ -137,6 +160,35 @@ TEST(JoinedPast, AsksTheStoreOnlyWhereItCouldChangeTheAnswer) {
   EXPECT_EQ(*both.joined->at_or_before(time_from_ns(5)), time_from_ns(3));
   EXPECT_EQ(*both.joined->first(), time_from_ns(1));
   EXPECT_EQ(both.opened, 1);
+}
+
+TEST(JoinedPast, AsksForAllThatIsHeldOnlyIfItMust) {
+  Both both({6, 8, 9}, {1, 3, 6});
+  EXPECT_EQ(*both.joined->last(), time_from_ns(9));
+  EXPECT_EQ(*both.joined->at_or_before(time_from_ns(20)), time_from_ns(9));
+  EXPECT_EQ(*both.joined->at_or_after(time_from_ns(9)), time_from_ns(9));
+  EXPECT_EQ(both.joined->read(time_from_ns(9), Prefer::kRecorded)->held, both.held.back());
+  EXPECT_EQ(both.filled, 0);
+  EXPECT_EQ(*both.joined->at_or_before(time_from_ns(8)), time_from_ns(8));
+  EXPECT_EQ(*both.joined->count(), 5u);
+  EXPECT_EQ(both.filled, 1);
+}
+
+TEST(JoinedPast, MissesNothingThatLeavesMemoryMeanwhile) {
+  const auto asked = [](auto ask) {
+    Both both({6, 8, 9}, {1, 3});
+    // It is recorded first, and then leaves.
+    both.stored.insert(6);
+    both.held.erase(both.held.begin());
+    // What comes meanwhile is no part of it.
+    both.held.push_back(held_at(12));
+    EXPECT_EQ(ask(*both.joined), time_from_ns(6));
+    EXPECT_EQ(*both.joined->last(), time_from_ns(9));
+    EXPECT_EQ(*both.joined->count(), 5u);
+  };
+  asked([](EntityPast& past) { return *past.at_or_before(time_from_ns(7)); });
+  asked([](EntityPast& past) { return *past.at_or_after(time_from_ns(4)); });
+  asked([](EntityPast& past) { return *past.nth(2); });
 }
 
 TEST(JoinedPast, ReadsFromMemoryWhatBothHave) {
