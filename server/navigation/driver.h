@@ -61,7 +61,8 @@ class Driver {
 
   /// Drives, and returns when the robot rests: it arrived, or the outcome says why not. A request
   /// that names no place, a place that nobody knows, a goal that is not free and a robot that is
-  /// trapped are outcomes, not errors.
+  /// trapped are outcomes, not errors. While the memory does not answer the robot rests; `stop` and
+  /// the time limit count again once it has.
   /// Errors: kFailedPrecondition where it drives or plans already, which goes on; those of the base
   /// and of the memory. The base was told to stop then.
   Result<DriveOutcome> drive(const DriveRequest& request, DriveBase& base,

@@ -56,7 +56,7 @@ struct MapRules {
   double max_height_m = 2;
   /// How long it takes from where a thing is until the robot brakes for it. Moving things are kept
   /// away from by what they may go in that time. Unit: s.
-  double reaction_s = 0.17;
+  double reaction_s = 0.24;
 
   /// Furniture as the kitchen has it.
   static ObstacleSource surfaces();

@@ -19,7 +19,7 @@ struct DriveLimits {
   double turn_acceleration_rad_s2 = 4;
   /// From when an obstacle is somewhere until the robot brakes for it: the age of the map, the
   /// period of control, the delay of the platform. Unit: s.
-  double reaction_s = 0.15;
+  double reaction_s = 0.24;
   double robot_radius_m = 0.3;
   double margin_m = 0.02;  ///< What it keeps from obstacles at least.
   double goal_tolerance_m = 0.03;
