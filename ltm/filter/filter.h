@@ -24,16 +24,19 @@ struct Candidate {
 /// The decisions of a filter in one step: the candidates that it keeps and those that it drops.
 struct FilterDecisions {
   struct Drop {
-    std::string_view reason;  ///< Lives as long as the program.
-    uint64_t bytes = 0;       ///< Plain bytes.
+    std::string_view reason;                  ///< Lives as long as the program.
+    uint64_t bytes = 0;                       ///< Plain bytes.
+    std::optional<Candidate> candidate = {};  ///< With `has_dropped`, if it was made.
   };
 
   std::vector<Candidate> kept;  ///< In the order in which they were offered.
   std::vector<Drop> dropped;
+  bool has_dropped = false;  ///< What is dropped is handed on, too.
 
   void keep(Candidate candidate) { kept.push_back(std::move(candidate)); }
   void drop(std::string_view reason, const Candidate& candidate) {
     drop(reason, candidate.raw_bytes);
+    if (has_dropped) dropped.back().candidate = candidate;
   }
   void drop(std::string_view reason, uint64_t bytes) { dropped.push_back({reason, bytes}); }
 };

@@ -11,8 +11,10 @@ uint64_t FilterCounters::dropped() const {
   return total;
 }
 
-Result<FilterChain> FilterChain::create(std::vector<FilterOptions> filters) {
+Result<FilterChain> FilterChain::create(std::vector<FilterOptions> filters,
+                                        const std::optional<LinkedBuffer::Options>& linked) {
   FilterChain chain(std::move(filters));
+  if (linked) chain.linked_.emplace(*linked);
   for (const FilterOptions& options : chain.options_) {
     ENGRAM_ASSIGN_OR_RETURN(auto filter, make_filter(options));
     Stage stage{std::move(filter), {}};
@@ -37,6 +39,7 @@ void FilterChain::begin_anew(Output& output) {
   // Filters remember times after the new ones, so they would drop all until the old time is
   // reached again. Only new filters forget it.
   flush(output);
+  drop_unlinked(output);
   for (size_t i = 0; i < stages_.size(); ++i) replace_filter(i);
   late_run_ = 0;
 }
@@ -49,6 +52,7 @@ void FilterChain::replace_filter(size_t stage) {
 
 void FilterChain::add_held_times(TimeSet& times) const {
   for (const Stage& stage : stages_) stage.filter->add_held_times(times);
+  if (linked_) linked_->add_held_times(times);
 }
 
 void FilterChain::forget(const TimeSet& times, Output& output) {
@@ -57,6 +61,10 @@ void FilterChain::forget(const TimeSet& times, Output& output) {
     if (!stages_[i].filter->forget(times, decisions)) replace_filter(i);
     settle(i, std::move(decisions), output);
   }
+  if (!linked_) return;
+  std::vector<LinkedBuffer::Dropped> gone = linked_->give_up(times);
+  for (LinkedBuffer::Dropped& each : gone) each.reason = Filter::kForgotten;
+  count_drops(std::move(gone), output);
 }
 
 void FilterChain::offer(Candidate candidate, Output& output) {
@@ -70,6 +78,7 @@ void FilterChain::offer(Candidate candidate, Output& output) {
     begin_anew(output);
   }
   newest_ = time;
+  if (linked_) count_drops(linked_->give_up(time), output);
   pass(0, std::move(candidate), output);
 }
 
@@ -95,31 +104,66 @@ void FilterChain::pass(size_t stage, Candidate candidate, Output& output) {
   FilterCounters& counters = stages_[stage].counters;
   ++counters.offered;
   counters.offered_bytes += candidate.raw_bytes;
-  FilterDecisions decisions;
+  FilterDecisions decisions = undecided();
   stages_[stage].filter->offer(std::move(candidate), decisions);
   settle(stage, std::move(decisions), output);
 }
 
 void FilterChain::settle(size_t stage, FilterDecisions decisions, Output& output) {
-  FilterCounters& counters = stages_[stage].counters;
-  for (const FilterDecisions::Drop& drop : decisions.dropped) {
-    const auto known = counters.dropped_by.find(drop.reason);
-    if (known == counters.dropped_by.end())
-      counters.dropped_by.emplace(drop.reason, 1);
-    else
-      ++known->second;
-    counters.dropped_bytes += drop.bytes;
-    ++output.dropped;
-    output.dropped_bytes += drop.bytes;
+  for (FilterDecisions::Drop& drop : decisions.dropped) {
+    if (!drop.candidate) {
+      count_drop(stage, drop.reason, drop.bytes, output);
+      continue;
+    }
+    if (auto wanted = linked_->add({*std::move(drop.candidate), stage, drop.reason}))
+      keep_linked(*std::move(wanted), output);
   }
-  counters.kept += decisions.kept.size();
+  stages_[stage].counters.kept += decisions.kept.size();
   for (Candidate& kept : decisions.kept) pass(stage + 1, std::move(kept), output);
+}
+
+FilterDecisions FilterChain::undecided() const {
+  FilterDecisions decisions;
+  decisions.has_dropped = linked_.has_value();
+  return decisions;
+}
+
+void FilterChain::count_drop(size_t stage, std::string_view reason, uint64_t bytes,
+                             Output& output) {
+  FilterCounters& counters = stages_[stage].counters;
+  const auto known = counters.dropped_by.find(reason);
+  if (known == counters.dropped_by.end())
+    counters.dropped_by.emplace(reason, 1);
+  else
+    ++known->second;
+  counters.dropped_bytes += bytes;
+  ++output.dropped;
+  output.dropped_bytes += bytes;
+}
+
+void FilterChain::count_drops(std::vector<LinkedBuffer::Dropped> dropped, Output& output) {
+  for (const LinkedBuffer::Dropped& each : dropped)
+    count_drop(each.stage, each.reason, each.candidate.raw_bytes, output);
+}
+
+void FilterChain::keep_linked(LinkedBuffer::Dropped dropped, Output& output) {
+  ++stages_[dropped.stage].counters.kept;
+  output.kept.push_back(std::move(dropped.candidate));
+}
+
+void FilterChain::want(Time time, Output& output) {
+  if (!linked_) return;
+  if (auto wanted = linked_->want(time)) keep_linked(*std::move(wanted), output);
+}
+
+void FilterChain::drop_unlinked(Output& output) {
+  if (linked_) count_drops(linked_->give_up_all(), output);
 }
 
 void FilterChain::flush(Output& output) {
   // In the order of the chain: what one filter releases, the next ones still decide on.
   for (size_t i = 0; i < stages_.size(); ++i) {
-    FilterDecisions decisions;
+    FilterDecisions decisions = undecided();
     stages_[i].filter->flush(decisions);
     settle(i, std::move(decisions), output);
   }
@@ -128,7 +172,7 @@ void FilterChain::flush(Output& output) {
 void FilterChain::notice(const Snapshot& snapshot, const std::optional<idf::Type>& type,
                          Output& output) {
   for (size_t i = 0; i < stages_.size(); ++i) {
-    FilterDecisions decisions;
+    FilterDecisions decisions = undecided();
     stages_[i].filter->notice(snapshot, type, decisions);
     settle(i, std::move(decisions), output);
   }
@@ -140,7 +184,7 @@ bool FilterChain::listens_to(const MemoryId& entity) const {
 }
 
 HeldSnapshots FilterChain::held() const {
-  HeldSnapshots total;
+  HeldSnapshots total = linked_ ? linked_->held() : HeldSnapshots();
   for (const Stage& stage : stages_) {
     const HeldSnapshots held = stage.filter->held();
     total.snapshots += held.snapshots;
@@ -151,9 +195,14 @@ HeldSnapshots FilterChain::held() const {
 
 std::vector<FilterCounters> FilterChain::counters() const {
   std::vector<FilterCounters> all;
-  for (const Stage& stage : stages_) {
-    all.push_back(stage.counters);
-    all.back().held = stage.filter->held();
+  for (size_t i = 0; i < stages_.size(); ++i) {
+    all.push_back(stages_[i].counters);
+    HeldSnapshots& held = all.back().held;
+    held = stages_[i].filter->held();
+    if (!linked_) continue;
+    const HeldSnapshots linked = linked_->held_of(i);
+    held.snapshots += linked.snapshots;
+    held.bytes += linked.bytes;
   }
   return all;
 }

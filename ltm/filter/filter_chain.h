@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ltm/filter/linked_buffer.h"
 #include "ltm/filter/registry.h"
 
 namespace engram::ltm {
@@ -31,7 +32,10 @@ struct FilterCounters {
 /// A candidate whose time is not after the newest one is late (or changes an existing time): it
 /// bypasses all filters. If ten late candidates in a row have increasing times, the clock was set
 /// back: the filters release what they hold and start again from there.
-/// Threading: one thread.
+///
+/// With LinkedBuffer::Options what filters drop is held for a while, and kept after all if
+/// something links to it. It then counts as kept by the filter that dropped it, and those behind
+/// that did not see it. Threading: one thread.
 class FilterChain {
  public:
   /// What leaves the chain in one step.
@@ -46,13 +50,20 @@ class FilterChain {
 
   /// Without filters it keeps everything.
   /// Errors: kInvalidArgument if options do not validate.
-  static Result<FilterChain> create(std::vector<FilterOptions> filters);
+  static Result<FilterChain> create(std::vector<FilterOptions> filters,
+                                    const std::optional<LinkedBuffer::Options>& linked = {});
 
   void offer(Candidate candidate, Output& output);
   /// Drops a candidate before it is made, if the first filter would drop it for its time alone. If
   /// it returns false, nothing happened: make the candidate and offer it.
   bool drop_at(Time time, uint64_t raw_bytes, Output& output);
+  /// Filters decide on all that they hold. What they drop may be wanted yet.
   void flush(Output& output);
+  /// Drops what is held in case that something links to it.
+  void drop_unlinked(Output& output);
+  /// Something links to the snapshot of this time: it is kept, now or when filters drop it.
+  void want(Time time, Output& output);
+  [[nodiscard]] bool keeps_linked() const { return linked_.has_value(); }
   /// Adds the times of what filters hold.
   void add_held_times(TimeSet& times) const;
   /// Drops what filters hold of these times. Filters that remember values start again, so that
@@ -81,9 +92,14 @@ class FilterChain {
   void replace_filter(size_t stage);
   void pass(size_t stage, Candidate candidate, Output& output);
   void settle(size_t stage, FilterDecisions decisions, Output& output);
+  void count_drop(size_t stage, std::string_view reason, uint64_t bytes, Output& output);
+  void count_drops(std::vector<LinkedBuffer::Dropped> dropped, Output& output);
+  void keep_linked(LinkedBuffer::Dropped dropped, Output& output);
+  [[nodiscard]] FilterDecisions undecided() const;
 
   std::vector<FilterOptions> options_;
   std::vector<Stage> stages_;
+  std::optional<LinkedBuffer> linked_;
   std::optional<Time> newest_;
   std::optional<Time> newest_late_;
   int late_run_ = 0;

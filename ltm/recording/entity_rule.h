@@ -18,6 +18,9 @@ struct EntityRule {
   std::string name;  ///< Its name in reports.
   EntityPattern match;
   std::vector<FilterOptions> filters;  ///< Applied in this order. Empty: everything is kept.
+  /// How long what filters dropped is held, and kept after all if something that is kept links to
+  /// it. Empty: not at all.
+  std::optional<Duration> keep_linked{};
   /// How far ahead of the clock times may lie; empty: as for all entities. AheadLimits::kNone: any.
   std::optional<Duration> max_ahead;
   /// How their images are redacted, ahead of filters; empty: not at all.

@@ -27,6 +27,7 @@ entities:
       - {kind: image, codec: png}
   - match: .*
     name: everything
+    keep_linked: 10s
     filters:
       - frequency: {rate: 5Hz}
       - similarity:
@@ -50,6 +51,7 @@ entities:
       - {kind: image, codec: png}
   - match: .*
     name: everything
+    keep_linked: 10s
     filters:
       - frequency: {rate: 5Hz}
       - similarity:

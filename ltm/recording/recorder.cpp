@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ltm/core/log.h"
+#include "ltm/memory/links.h"
 #include "ltm/recording/entity_seal_rules.h"
 #include "ltm/recording/offered_snapshot.h"
 #include "ltm/recording/recording_channel.h"
@@ -115,6 +116,7 @@ struct Recorder::State {
     std::vector<Kept> kept;
     kept.reserve(offered.size());
     for (const OfferedSnapshot& each : offered) filter(each, kept);
+    keep_linked(kept);
     ENGRAM_RETURN_IF_ERROR(store(kept));
     note_drops_if_due();
     return {};
@@ -172,6 +174,30 @@ struct Recorder::State {
       listener->chain.notice(snapshot, type, output);
       take_output(*listener, std::move(output), kept);
     }
+  }
+
+  /// Keeps what filters dropped and what is kept links to; that may link to more.
+  void keep_linked(std::vector<Kept>& kept) {
+    if (!channels.keeps_linked()) return;
+    for (size_t i = 0; i < kept.size(); ++i)
+      for (const MemoryId& id : linked_by(kept[i].snapshot())) {
+        RecordingChannel* channel = channels.find(id.entity());
+        if (channel == nullptr) continue;
+        FilterChain::Output output;
+        channel->chain.want(*id.time(), output);
+        take_output(*channel, std::move(output), kept);
+      }
+  }
+
+  /// The snapshots that a snapshot links to.
+  std::vector<MemoryId> linked_by(const Snapshot& snapshot) const {
+    const idf::Type* type = writer->types().of_entity(snapshot.entity);
+    std::vector<MemoryId> linked;
+    for (const Instance& instance : snapshot.instances)
+      for (const Link& link :
+           type != nullptr ? find_links(instance.data, *type) : find_links(instance.data))
+        if (link.id.has_entity() && link.id.time()) linked.push_back(link.id);
+    return linked;
   }
 
   bool drop_unmade(const MemoryId& entity, Time time, uint64_t raw_bytes) {
@@ -328,6 +354,12 @@ struct Recorder::State {
     for (auto& [entity, channel] : channels.all()) {
       FilterChain::Output output;
       channel.chain.flush(output);
+      take_output(channel, std::move(output), kept);
+    }
+    keep_linked(kept);
+    for (auto& [entity, channel] : channels.all()) {
+      FilterChain::Output output;
+      channel.chain.drop_unlinked(output);
       take_output(channel, std::move(output), kept);
     }
     ENGRAM_RETURN_IF_ERROR(store(kept));

@@ -4,6 +4,12 @@
 
 namespace engram::ltm {
 
+namespace {
+
+constexpr Duration kMaxKeepLinked = std::chrono::hours(24);
+
+}  // namespace
+
 Status Recorder::Options::validate() const {
   if (max_rate_hz) ENGRAM_RETURN_IF_ERROR(FrequencyFilter::Options{*max_rate_hz}.validate());
   ENGRAM_RETURN_IF_ERROR(pack.validate());
@@ -16,6 +22,10 @@ Status Recorder::Options::validate() const {
     if (rule.redact)
       if (const Status status = rule.redact->validate(); !status.ok())
         return status.with_context(fmt::format("rule '{}': redact", rule.name));
+    if (rule.keep_linked &&
+        (*rule.keep_linked <= Duration(0) || *rule.keep_linked > kMaxKeepLinked))
+      return invalid_argument("rule '{}': keep_linked is {}, needs more than 0s and at most {}",
+                              rule.name, to_string(*rule.keep_linked), to_string(kMaxKeepLinked));
     if (rule.max_ahead && *rule.max_ahead < Duration(0))
       return invalid_argument("rule '{}': max_ahead is {}, needs 0s or more", rule.name,
                               to_string(*rule.max_ahead));

@@ -24,11 +24,15 @@ size_t rule_of(const Recorder::Options& options, const MemoryId& entity) {
 
 FilterChain chain_of(const Recorder::Options& options, size_t rule) {
   std::vector<FilterOptions> filters;
-  if (rule < options.rules.size())
+  std::optional<LinkedBuffer::Options> linked;
+  if (rule < options.rules.size()) {
     filters = options.rules[rule].filters;
-  else if (options.max_rate_hz)
+    if (const auto keeps = options.rules[rule].keep_linked)
+      linked = LinkedBuffer::Options{.keeps = *keeps};
+  } else if (options.max_rate_hz) {
     filters.emplace_back(FrequencyFilter::Options{*options.max_rate_hz});
-  auto chain = FilterChain::create(std::move(filters));
+  }
+  auto chain = FilterChain::create(std::move(filters), linked);
   ENGRAM_CHECK(chain.ok(), "{}", chain.status().message());
   return *std::move(chain);
 }
@@ -57,11 +61,18 @@ void RecordingChannel::count() const {
 RecordingChannels::RecordingChannels(const Recorder::Options& options) : options_(options) {
   for (const EntityRule& rule : options.rules) packers_.push_back(packer_of(rule.pack));
   packers_.push_back(packer_of(options.pack));
+  keeps_linked_ = std::ranges::any_of(
+      options.rules, [](const EntityRule& rule) { return rule.keep_linked.has_value(); });
   for (const EntityRule& rule : options.rules)
     for (const FilterOptions& filter : rule.filters)
       if (const auto* events = events_of(filter))
         for (const EventRule& event : *events)
           if (event.entity) event_sources_.push_back(*event.entity);
+}
+
+RecordingChannel* RecordingChannels::find(const MemoryId& entity) {
+  const auto found = channels_.find(entity);
+  return found == channels_.end() ? nullptr : &found->second;
 }
 
 RecordingChannel& RecordingChannels::of(const MemoryId& entity) {

@@ -43,8 +43,13 @@ class RecordingChannels {
   /// The entity's channel; valid as long as this.
   RecordingChannel& of(const MemoryId& entity);
 
+  /// Null if the entity has none yet.
+  [[nodiscard]] RecordingChannel* find(const MemoryId& entity);
+
   [[nodiscard]] std::map<MemoryId, RecordingChannel>& all() { return channels_; }
   [[nodiscard]] const std::map<MemoryId, RecordingCounters>& counters() const;
+  /// Whether any rule keeps what others link to.
+  [[nodiscard]] bool keeps_linked() const { return keeps_linked_; }
 
  private:
   void connect(RecordingChannel& made);
@@ -52,6 +57,7 @@ class RecordingChannels {
   const Recorder::Options& options_;
   std::vector<Packer> packers_;  ///< One per rule, then one for entities without a rule.
   std::vector<EntityPattern> event_sources_;
+  bool keeps_linked_ = false;
   std::map<MemoryId, RecordingChannel> channels_;
   std::map<MemoryId, RecordingCounters> counters_;
 };

@@ -64,6 +64,9 @@ Result<EntityRule> read_rule(const ConfigValue& value) {
   if (const auto filters = map.find("filters")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.filters, read_filters(*filters));
   }
+  if (const auto linked = map.find("keep_linked")) {
+    ENGRAM_ASSIGN_OR_RETURN(rule.keep_linked, linked->duration());
+  }
   if (const auto redact = map.find("redact")) {
     ENGRAM_ASSIGN_OR_RETURN(rule.redact, read_redaction(*redact));
   }

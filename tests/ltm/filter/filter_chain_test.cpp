@@ -170,6 +170,81 @@ TEST(FilterChain, ForgetsWhatIsHeldAndLetsTheRestFollow) {
   EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 2, 4}));
 }
 
+constexpr LinkedBuffer::Options kTenSeconds{.keeps = std::chrono::seconds(10)};
+
+uint64_t balance_of(const FilterCounters& counters) {
+  return counters.kept + counters.dropped() + counters.held.snapshots;
+}
+
+TEST(FilterChain, KeepsWhatItDroppedOnceSomethingLinksToIt) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 1}}, kTenSeconds);
+  FilterChain::Output output;
+  for (int i = 0; i < 8; ++i) chain.offer(candidate(i / 4.0), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 1}));
+  EXPECT_EQ(chain.held().snapshots, 6u);
+  EXPECT_EQ(output.dropped, 0u) << "it may be wanted yet";
+  chain.want(at_second(0.5), output);
+  chain.want(at_second(0.5), output);
+  chain.want(at_second(1), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 1, 0.5}));
+  EXPECT_EQ(balance_of(chain.counters()[0]), 8u);
+  chain.drop_unlinked(output);
+  EXPECT_EQ(output.dropped, 5u);
+  EXPECT_EQ(chain.counters()[0].dropped_by.at("rate"), 5u);
+  EXPECT_EQ(chain.counters()[0].kept, 3u);
+  EXPECT_EQ(chain.held().snapshots, 0u);
+}
+
+TEST(FilterChain, KeepsWhatSomethingLinkedToBeforeItCame) {
+  auto chain = *FilterChain::create(
+      {FrequencyFilter::Options{.max_rate_hz = 1}, EqualityFilter::Options{}}, kTenSeconds);
+  FilterChain::Output output;
+  chain.want(at_second(0.5), output);
+  chain.want(at_second(2), output);
+  for (int i = 0; i < 10; ++i) chain.offer(candidate(i / 4.0), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 0.5, 2}))
+      << "one that the rate dropped, and one that was equal";
+  EXPECT_EQ(balance_of(chain.counters()[0]), 10u);
+  EXPECT_EQ(balance_of(chain.counters()[1]), chain.counters()[1].offered);
+}
+
+TEST(FilterChain, GivesUpWhatNothingLinkedTo) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0.01}}, kTenSeconds);
+  FilterChain::Output output;
+  for (int i = 0; i <= 20; ++i) chain.offer(candidate(i), output);
+  EXPECT_EQ(output.dropped, 9u);
+  chain.want(at_second(9), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0})) << "too late";
+  chain.want(at_second(10), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0, 10}));
+  EXPECT_EQ(balance_of(chain.counters()[0]), 21u);
+}
+
+TEST(FilterChain, HoldsNoMoreBytesThanItMayForWhatMayBeLinkedTo) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0.01}},
+                                    LinkedBuffer::Options{kTenSeconds.keeps, 100'000});
+  FilterChain::Output output;
+  for (int i = 0; i < 50; ++i) chain.offer(candidate(i / 10.0, std::string(10'000, 'x')), output);
+  EXPECT_LE(chain.held().bytes, 110'000u) << "the last one comes on top";
+  EXPECT_GE(chain.held().snapshots, 9u);
+  EXPECT_EQ(output.kept.size() + output.dropped + chain.held().snapshots, 50u);
+}
+
+TEST(FilterChain, ForgetsWhatMayBeLinkedTo) {
+  auto chain = *FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0.01}}, kTenSeconds);
+  FilterChain::Output output;
+  for (int i = 0; i < 4; ++i) chain.offer(candidate(i), output);
+  TimeSet held;
+  chain.add_held_times(held);
+  EXPECT_EQ(held.size(), 3u);
+  TimeSet gone;
+  gone.insert(at_second(2));
+  chain.forget(gone, output);
+  EXPECT_EQ(chain.counters()[0].dropped_by.at(std::string(Filter::kForgotten)), 1u);
+  chain.want(at_second(2), output);
+  EXPECT_EQ(seconds_of(output), (std::vector<double>{0}));
+}
+
 TEST(FilterChain, RefusesOptionsThatDoNotValidate) {
   EXPECT_FAILS(FilterChain::create({FrequencyFilter::Options{.max_rate_hz = 0}}),
                StatusCode::kInvalidArgument, "0 Hz");

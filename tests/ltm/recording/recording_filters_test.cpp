@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rules, filters that hold snapshots back, and late snapshots, through the whole recorder.
+#include <gmock/gmock.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -273,6 +274,63 @@ entities:
   EXPECT_FALSE(recorder.drop_unmade(example_entity("cam"), at(0.1, "cam").time, 8));
   EXPECT_OK(recorder.commit({{at(0, "free")}}));
   EXPECT_TRUE(recorder.drop_unmade(example_entity("free"), at(0.1, "free").time, 8));
+}
+
+constexpr const char* kLinked = R"(
+entities:
+  - match: .*/.*/.*/event
+    filters: []
+  - match: .*
+    keep_linked: 10s
+    filters: [{frequency: {rate: 1Hz}}]
+)";
+
+idf::Data link_to(const Snapshot& snapshot) {
+  return idf::Dict{{"cause", snapshot.id().instance(0).to_string()}};
+}
+
+TEST_F(RecordingFilters, KeepsWhatOthersLinkToAndWhatThatLinksTo) {
+  std::vector<MemoryId> released;
+  auto recorder = open(kLinked, [&](const MemoryId& id) { released.push_back(id); });
+  const Snapshot image = at(0.5, "image");
+  const Snapshot object = at(0.6, "object", link_to(image));
+  for (const double second : {0.0, 0.1, 0.2, 0.3, 0.4})
+    ASSERT_OK(recorder.commit({{at(second, "image"), at(second, "object")}}));
+  ASSERT_OK(recorder.commit({{image}}));
+  ASSERT_OK(recorder.commit({{object}}));
+  // What filters dropped links to nothing that is kept.
+  ASSERT_OK(recorder.commit({{at(0.7, "object", link_to(at(0.3, "image")))}}));
+  expect_balance(recorder);
+  EXPECT_TRUE(released.empty());
+  ASSERT_OK(recorder.commit({{at(0.8, "event", link_to(object))}}));
+  EXPECT_THAT(released, ::testing::UnorderedElementsAre(image.id(), object.id()));
+  expect_balance(recorder);
+  // A link to what nobody knows, and to what is too old.
+  ASSERT_OK(recorder.commit({{at(0.9, "event", link_to(at(0.4, "nobody")))}}));
+  ASSERT_OK(recorder.commit({{at(20, "object"), at(20, "image")}}));
+  ASSERT_OK(recorder.commit({{at(20.1, "event", link_to(at(0.2, "object")))}}));
+  ASSERT_OK(recorder.close());
+  expect_balance(recorder);
+  EXPECT_EQ(stored("object"), (std::vector<double>{0, 0.6, 20}));
+  EXPECT_EQ(stored("image"), (std::vector<double>{0, 0.5, 20}));
+  EXPECT_EQ(summary("image").offered, 7u);
+}
+
+TEST_F(RecordingFilters, KeepsAtTheEndWhatHeldSnapshotsLinkTo) {
+  auto recorder = open(R"(
+entities:
+  - match: .*/.*/.*/late
+    filters: [{importance: {events: [{entity: a/b/c/d}], base_rate: 1Hz}}]
+  - match: .*
+    keep_linked: 1min
+    filters: [{frequency: {rate: 100mHz}}]
+)");
+  ASSERT_OK(recorder.commit({{at(0, "image")}}));
+  ASSERT_OK(recorder.commit({{at(1, "image")}}));
+  ASSERT_OK(recorder.commit({{at(2, "late", link_to(at(1, "image")))}}));
+  ASSERT_OK(recorder.close());
+  EXPECT_EQ(stored("late"), (std::vector<double>{2}));
+  EXPECT_EQ(stored("image"), (std::vector<double>{0, 1}));
 }
 
 TEST_F(RecordingFilters, RefusesOptionsThatAreWrong) {
