@@ -108,16 +108,27 @@ Result<SensoryRingWriter::Room> SensoryRingWriter::reserve(size_t head_bytes, si
     return resource_exhausted("sensory ring: an entry has {} bytes, needs at most {}",
                               head_bytes + data_bytes, max);
   const size_t bytes = to_whole_lines(head_bytes + data_bytes);
-  std::optional<size_t> offset;
-  const auto has_room = [&] {
-    return live_.size() < layout_.slots() && (offset = find_room(bytes)).has_value();
-  };
-  if (!free_until(has_room, now, sync))
+  // Before anything makes way for it in vain.
+  if (!fits_beside_lent(bytes))
     return resource_exhausted("sensory ring: what is lent leaves no {} bytes beside each other",
                               bytes);
+  std::optional<size_t> offset;
+  const bool is_free = free_until(
+      [&] { return live_.size() < layout_.slots() && (offset = find_room(bytes)).has_value(); },
+      now, sync);
+  ENGRAM_CHECK(is_free, "no room for {} bytes, though {} are lent", bytes, lent_);
   reserved_ = {written_, 0, 0, *offset, head_bytes, data_bytes, 0};
   const std::span<std::byte> room = memory_.subspan(*offset, head_bytes + data_bytes);
   return Room{room.first(data_bytes), room.subspan(data_bytes), *offset};
+}
+
+bool SensoryRingWriter::fits_beside_lent(size_t bytes) const {
+  size_t begin = layout_.data_begin();
+  for (const auto& [offset, end] : lent_places_) {
+    if (offset - begin >= bytes) return true;
+    begin = end;
+  }
+  return layout_.data_end() - begin >= bytes;
 }
 
 void SensoryRingWriter::occupy(size_t offset, size_t end) {
@@ -136,16 +147,18 @@ Result<SensoryRingWriter::Room> SensoryRingWriter::lend(size_t head_bytes, size_
   ENGRAM_ASSIGN_OR_RETURN(const Room room, reserve(head_bytes, data_bytes, now, sync));
   const size_t bytes = to_whole_lines(head_bytes + data_bytes);
   occupy(room.offset, room.offset + bytes);
+  lent_places_.emplace(room.offset, room.offset + bytes);
   lent_ += bytes;
   return room;
 }
 
 void SensoryRingWriter::give_back(const Room& lent) {
-  const auto place = places_.find(lent.offset);
-  ENGRAM_CHECK(place != places_.end(), "nothing is lent at {}", lent.offset);
+  const auto place = lent_places_.find(lent.offset);
+  ENGRAM_CHECK(place != lent_places_.end(), "nothing is lent at {}", lent.offset);
   used_ -= place->second - lent.offset;
   lent_ -= place->second - lent.offset;
-  places_.erase(place);
+  places_.erase(lent.offset);
+  lent_places_.erase(place);
 }
 
 void SensoryRingWriter::take_back(const Room& lent, size_t head_bytes, SteadyTime now,

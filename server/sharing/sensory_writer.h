@@ -79,6 +79,8 @@ class SensoryRingWriter {
   template <typename HasRoom>
   bool free_until(const HasRoom& has_room, SteadyTime now, const Sync& sync);
   void occupy(size_t offset, size_t end);
+  /// Whether there would be room if nothing were there but what is lent.
+  [[nodiscard]] bool fits_beside_lent(size_t bytes) const;
   /// The snapshots of an entry that did not pass. Its entities passed up to some entry each.
   [[nodiscard]] uint64_t lost_of(const Live& entry) const;
 
@@ -88,6 +90,7 @@ class SensoryRingWriter {
   const SensoryLayout layout_;
   std::deque<Live> live_;            ///< The oldest first.
   std::map<size_t, size_t> places_;  ///< Of those and of what is lent: the end by the offset.
+  std::map<size_t, size_t> lent_places_;
   uint64_t written_ = 0;
   uint64_t announced_ = 0;  ///< The first entry that is not overwritten, as others know it.
   uint64_t snapshots_ = 0;

@@ -135,6 +135,21 @@ TEST_F(SensoryRingTest, LendsRoomThatNothingElseTakes) {
   ASSERT_OK(writer_.lend(16, 25'000, now + 80s, nobody));
 }
 
+TEST_F(SensoryRingTest, NothingMakesWayForWhatHasNoRoomBesideWhatIsLent) {
+  const SteadyTime now = steady_now();
+  const auto nobody = [] {};
+  write(15'000, 1, now);
+  const auto lent = writer_.lend(16, 20'000, now, nobody);
+  ASSERT_OK(lent);
+  write(15'000, 2, now);
+  EXPECT_FAILS(writer_.reserve(16, 30'000, now, nobody), StatusCode::kResourceExhausted,
+               "beside each other");
+  EXPECT_THAT(readable(), ElementsAre(1, 2));
+  EXPECT_EQ(reader_.crowded_out(), 0u);
+  writer_.give_back(*lent);
+  ASSERT_OK(writer_.reserve(16, 30'000, now, nobody));
+}
+
 TEST_F(SensoryRingTest, SaysTheEarliestTimeOfAnEntry) {
   const auto entry = reader_.find(write(10, 7, steady_now()));
   ASSERT_TRUE(entry.has_value());
