@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Points of depth images and of arrays that are clouds, for the scene in 3-D.
+#include "reports/plain/shown_value.h"
 #include "viewer/shown_cloud.h"
-#include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {

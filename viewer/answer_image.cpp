@@ -4,9 +4,9 @@
 
 #include "ltm/core/buffer.h"
 #include "ltm/store/checksum.h"
+#include "reports/plain/shown_image.h"
+#include "reports/plain/shown_value.h"
 #include "training/quality/quality_metrics.h"
-#include "viewer/shown_image.h"
-#include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {
@@ -24,7 +24,7 @@ Result<FoundImage> image_in(ltm::SnapshotResult snapshot, const ltm::MemoryId& i
   const ltm::InstanceResult* instance = snapshot.find(id.index().value_or(0));
   if (instance == nullptr)
     return not_found("'{}': there is no instance {}", id.to_string(), id.index().value_or(0));
-  const idf::NdArray* image = image_at(instance->data, path);
+  const idf::NdArray* image = reports::image_at(instance->data, path);
   if (image == nullptr) return not_found("'{}': has no image at '{}'", id.to_string(), path);
   idf::NdArray pixels = *image;
   return FoundImage{std::move(snapshot), std::move(pixels)};
@@ -120,7 +120,7 @@ ImageNotes notes_of(const ltm::SnapshotResult& snapshot, const ltm::MemoryId& id
 
 /// One image in the form that was asked for.
 struct ImageOfForm {
-  ShownImage image;
+  reports::ShownImage image;
   ImageNotes notes;
 };
 
@@ -130,7 +130,8 @@ Result<ImageOfForm> image_of_form(ViewedMemory& viewed, const RequestTarget& tar
   if (form == "error") {
     ENGRAM_ASSIGN_OR_RETURN(const FoundImage recorded, recorded_image(viewed, id, path));
     ENGRAM_ASSIGN_OR_RETURN(const FoundImage latent, latent_image(viewed, id, path));
-    ENGRAM_ASSIGN_OR_RETURN(ShownImage map, error_map(recorded.image, latent.image));
+    ENGRAM_ASSIGN_OR_RETURN(reports::ShownImage map,
+                            reports::error_map(recorded.image, latent.image));
     ImageNotes notes = notes_of(latent.snapshot, id);
     ENGRAM_ASSIGN_OR_RETURN(const double mse, training::image_mse(recorded.image, latent.image));
     notes.psnr_db = training::psnr_db(mse);
@@ -143,7 +144,7 @@ Result<ImageOfForm> image_of_form(ViewedMemory& viewed, const RequestTarget& tar
   ENGRAM_RETURN_IF_ERROR(found.status());
   ImageNotes notes = notes_of(found->snapshot, id);
   if (notes.source == ltm::Source::kRecorded) notes.bytes = stored_bytes_of(viewed, id, path);
-  return ImageOfForm{shown_image(found->image), std::move(notes)};
+  return ImageOfForm{reports::shown_image(found->image), std::move(notes)};
 }
 
 }  // namespace
@@ -159,8 +160,8 @@ ViewAnswer answer_image(ViewedMemory& viewed, const HttpRequest& request,
   ENGRAM_ASSIGN_OR_RETURN(const int64_t quality, target.integer("quality", 1, 100, 92));
   ENGRAM_ASSIGN_OR_RETURN(const ImageOfForm found, image_of_form(viewed, target, id, path, form));
   HttpResponse response{.type = "image/" + as};
-  ENGRAM_ASSIGN_OR_RETURN(response.body,
-                          encoded_image(found.image.pixels, as, static_cast<int>(quality)));
+  ENGRAM_ASSIGN_OR_RETURN(
+      response.body, reports::encoded_image(found.image.pixels, as, static_cast<int>(quality)));
   const std::string etag = fmt::format("\"{:016x}\"", ltm::checksum(as_bytes(response.body)));
   // A snapshot may be forgotten, redacted or recorded again, so a browser asks each time.
   response.headers = {{"Cache-Control", "private, no-cache"},

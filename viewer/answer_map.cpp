@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "ltm/likeness/coded_moments.h"
+#include "reports/plain/shown_value.h"
 #include "training/quality/quality_metrics.h"
 #include "viewer/sampled_series.h"
-#include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {
@@ -58,10 +58,10 @@ Result<std::optional<double>> psnr_at(ViewedMemory& viewed, const ltm::MemoryId&
   for (const ltm::InstanceResult& instance : recorded->instances) {
     const ltm::InstanceResult* const other = latent->find(instance.index);
     if (other == nullptr) continue;
-    for (const ShownMember& member : shown_members(instance.data, std::nullopt)) {
+    for (const reports::ShownMember& member : reports::shown_members(instance.data, std::nullopt)) {
       if (member.kind != "image") continue;
-      const idf::NdArray* const one = image_at(instance.data, member.path);
-      const idf::NdArray* const two = image_at(other->data, member.path);
+      const idf::NdArray* const one = reports::image_at(instance.data, member.path);
+      const idf::NdArray* const two = reports::image_at(other->data, member.path);
       if (one == nullptr || two == nullptr) continue;
       ENGRAM_ASSIGN_OR_RETURN(const double mse, training::image_mse(*one, *two));
       squares += mse;

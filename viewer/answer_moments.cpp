@@ -6,7 +6,7 @@
 #include "ltm/core/not_a_number.h"
 #include "ltm/memory/links.h"
 #include "reports/plain/save.h"
-#include "viewer/shown_value.h"
+#include "reports/plain/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {
@@ -65,7 +65,7 @@ Result<MomentJson> instance_json(const ltm::InstanceResult& instance,
                                  const std::optional<idf::Type>& type) {
   MomentJson json{{"index", instance.index}, {"metadata", metadata_json(instance.metadata)}};
   write_errors(json, instance);
-  ENGRAM_ASSIGN_OR_RETURN(json["data"], shown_value(instance.data, type));
+  ENGRAM_ASSIGN_OR_RETURN(json["data"], reports::shown_value(instance.data, type));
   return json;
 }
 

@@ -5,8 +5,8 @@
 
 #include "ltm/core/buffer.h"
 #include "ltm/core/not_a_number.h"
+#include "reports/plain/shown_value.h"
 #include "viewer/sampled_series.h"
-#include "viewer/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {
@@ -132,7 +132,8 @@ ViewAnswer answer_members(ViewedMemory& viewed, const RequestTarget& target) {
   const ltm::InstanceResult* found = last->find(static_cast<int32_t>(instance));
   if (found == nullptr)
     return not_found("'{}': has no instance {}", entity.at(last->time).to_string(), instance);
-  for (const ShownMember& member : shown_members(found->data, viewed.type_of(entity))) {
+  for (const reports::ShownMember& member :
+       reports::shown_members(found->data, viewed.type_of(entity))) {
     nlohmann::ordered_json json{
         {"path", member.path}, {"kind", member.kind}, {"shape", member.shape}};
     if (member.quantity) {
@@ -168,7 +169,8 @@ ViewAnswer answer_series(ViewedMemory& viewed, const RequestTarget& target) {
   HttpResponse response = binary_response(std::as_bytes(std::span(numbers)));
   const auto type = viewed.type_of(entity);
   std::string units;
-  for (size_t i = 0; i < paths.size(); ++i) units += (i > 0 ? "|" : "") + unit_at(type, paths[i]);
+  for (size_t i = 0; i < paths.size(); ++i)
+    units += (i > 0 ? "|" : "") + reports::unit_at(type, paths[i]);
   response.headers = {{"X-Engram-Unit", header_text(units)},
                       {"X-Engram-Read", std::to_string(drawn.read)},
                       {"X-Engram-Total", std::to_string(drawn.total)}};

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "ltm/core/ascii.h"
-#include "viewer/shown_value.h"
+#include "reports/plain/shown_value.h"
 #include "viewer/view_answers.h"
 
 namespace engram::viewer {
@@ -94,7 +94,7 @@ Result<std::set<std::string>> kinds_of(ltm::StoreReader& reader, const ltm::Memo
   }
   ENGRAM_ASSIGN_OR_RETURN(const ltm::PackedSnapshot packed, reader.read_values(entity, *last));
   for (const ltm::PackedInstance& instance : packed.instances) {
-    for (const ShownMember& member : shown_members(instance.value.rest, {}))
+    for (const reports::ShownMember& member : reports::shown_members(instance.value.rest, {}))
       kinds.insert(member.kind);
     for (const ltm::PackedMedium& medium : instance.value.media) {
       const ltm::MediumKind kind = ltm::medium_kind(medium.type, medium.shape);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "viewer/shown_value.h"
+#include "reports/plain/shown_value.h"
 
 namespace engram::viewer {
 
@@ -153,9 +153,9 @@ class SeriesReading {
   /// `value` is null where there is none.
   void put(size_t place, const idf::Data* value) {
     for (size_t i = 0; i < columns_.size(); ++i)
-      columns_[i]->put(place, value == nullptr
-                                  ? std::numeric_limits<float>::quiet_NaN()
-                                  : static_cast<float>(number_at(*value, request_.paths[i])));
+      columns_[i]->put(place, value == nullptr ? std::numeric_limits<float>::quiet_NaN()
+                                               : static_cast<float>(reports::number_at(
+                                                     *value, request_.paths[i])));
   }
 
   const SeriesRequest& request_;
@@ -185,7 +185,8 @@ void draw_answer(const ltm::QueryResult& found, const SeriesRequest& request,
       const bool is_last = snapshot.time >= last_times[bin];
       if (is_last) last_times[bin] = snapshot.time;
       for (size_t i = 0; i < request.paths.size(); ++i) {
-        const auto number = static_cast<float>(number_at(instance->data, request.paths[i]));
+        const auto number =
+            static_cast<float>(reports::number_at(instance->data, request.paths[i]));
         DrawnSeries& drawn = answer.series[i];
         // A NaN that was read replaces nothing, and what was not read is a NaN.
         drawn.min[bin] = std::fmin(drawn.min[bin], number);

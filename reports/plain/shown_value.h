@@ -10,7 +10,7 @@
 #include "ltm/idf/data.h"
 #include "ltm/idf/type.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 
 /// A value as the inspector shows it: as idf::to_json writes it, but without what nobody reads.
 ///
@@ -46,4 +46,4 @@ struct ShownMember {
 /// none.
 [[nodiscard]] const idf::NdArray* image_at(const idf::Data& value, std::string_view path);
 
-}  // namespace engram::viewer
+}  // namespace engram::reports

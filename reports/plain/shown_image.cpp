@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/shown_image.h"
+#include "reports/plain/shown_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "ltm/codec/png.h"
 #include "ltm/core/buffer.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 
 namespace {
 
@@ -74,4 +74,4 @@ Result<std::string> encoded_image(const idf::NdArray& pixels, const std::string&
   return std::string(as_text(bytes));
 }
 
-}  // namespace engram::viewer
+}  // namespace engram::reports

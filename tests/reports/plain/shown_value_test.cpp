@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/shown_value.h"
+#include "reports/plain/shown_value.h"
 
 #include <cmath>
 
 #include "tests/ltm/expect_status.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 namespace {
 
 using ::testing::ElementsAre;
@@ -111,4 +111,4 @@ TEST(ShownMembers, TellUnitsOfTheirType) {
 }
 
 }  // namespace
-}  // namespace engram::viewer
+}  // namespace engram::reports

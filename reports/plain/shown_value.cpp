@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/shown_value.h"
+#include "reports/plain/shown_value.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,7 +12,7 @@
 #include "ltm/idf/json.h"
 #include "ltm/memory/memory_id.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 
 namespace {
 
@@ -248,4 +248,4 @@ const idf::NdArray* image_at(const idf::Data& value, std::string_view path) {
   return kind == "image" || kind == "depth" ? array : nullptr;
 }
 
-}  // namespace engram::viewer
+}  // namespace engram::reports

@@ -6,7 +6,7 @@
 
 #include "ltm/idf/ndarray.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 
 /// An image that a browser shows, uint8 [H, W, 1 or 3], and what its grey levels mean.
 struct ShownImage {
@@ -29,4 +29,4 @@ Result<ShownImage> error_map(const idf::NdArray& recorded, const idf::NdArray& o
 /// Encodes pixels as "jpeg" of a quality from 1 to 100, or as "png".
 Result<std::string> encoded_image(const idf::NdArray& pixels, const std::string& as, int quality);
 
-}  // namespace engram::viewer
+}  // namespace engram::reports

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "viewer/shown_image.h"
+#include "reports/plain/shown_image.h"
 
 #include <cmath>
 
@@ -7,7 +7,7 @@
 #include "ltm/core/buffer.h"
 #include "tests/ltm/expect_status.h"
 
-namespace engram::viewer {
+namespace engram::reports {
 namespace {
 
 idf::NdArray grey(uint8_t level) {
@@ -58,4 +58,4 @@ TEST(EncodedImage, IsWhatItIsCalled) {
 }
 
 }  // namespace
-}  // namespace engram::viewer
+}  // namespace engram::reports
