@@ -48,6 +48,7 @@ void add_reflect_command(CLI::App& app, ExitCode& exit_code);
 void add_idf_command(CLI::App& app, ExitCode& exit_code);
 void add_map_command(CLI::App& app, ExitCode& exit_code);
 void add_view_command(CLI::App& app, ExitCode& exit_code);
+void add_mcp_command(CLI::App& app, ExitCode& exit_code);
 
 /// Adds serve, replay, mns, commit, watch, skill and audit; nothing in a program that is built without servers.
 void add_server_commands(CLI::App& app, ExitCode& exit_code);

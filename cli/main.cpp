@@ -116,6 +116,7 @@ struct Program {
     add_idf_command(app, exit_code);
     add_map_command(app, exit_code);
     add_server_commands(app, exit_code);
+    add_mcp_command(app, exit_code);
     add_check_command(app, exit_code);
     add_recover_command(app, exit_code);
   }

@@ -39,6 +39,7 @@ LIBRARIES = {
     "EGL": ("EGL/",),
     "Boost": ("boost/",),
     "OMPL": ("ompl/",),
+    "libcurl": ("curl/",),
     "BehaviorTree.CPP": ("behaviortree_cpp/", "behaviortree_cpp_v3/"),
 }
 # These stay where they are, whoever may include the room.
@@ -56,6 +57,7 @@ CONFINED = {
     "EGL": {"datasets/kitchen", "datasets"},
     "Boost": {"viewer"},
     "OMPL": {"server/navigation", "server"},
+    "libcurl": {"speech/assistants"},
     "BehaviorTree.CPP": {"server/behavior_tree", "server"},
 }
 SYSTEM = re.compile(
