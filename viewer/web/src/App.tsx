@@ -22,6 +22,7 @@ import { Splitter } from './ui/Splitter';
 // Who opens no 3-D panel never loads three.js, which is large; nor what else few open.
 const ScenePanel = lazy(() => import('./panels/scene/ScenePanel'));
 const MapPanel = lazy(() => import('./panels/map/MapPanel'));
+const AskPanel = lazy(() => import('./panels/asked/AskPanel'));
 const NightsPanel = lazy(() => import('./panels/nights/NightsPanel'));
 
 function AnyPanel(props: { panel: Panel }) {
@@ -33,6 +34,7 @@ function AnyPanel(props: { panel: Panel }) {
       <Match when={props.panel.kind === 'similar'}><SimilarPanel panel={props.panel} /></Match>
       <Match when={props.panel.kind === 'nights'}><Suspense fallback={<div class="panel skeleton" />}><NightsPanel panel={props.panel} /></Suspense></Match>
       <Match when={props.panel.kind === 'query'}><QueryPanel panel={props.panel} /></Match>
+      <Match when={props.panel.kind === 'ask'}><Suspense fallback={<div class="panel skeleton" />}><AskPanel panel={props.panel} /></Suspense></Match>
       <Match when={props.panel.kind === 'scene'}><Suspense fallback={<div class="panel skeleton" />}><ScenePanel panel={props.panel} /></Suspense></Match>
       <Match when={props.panel.kind === 'map'}><Suspense fallback={<div class="panel skeleton" />}><MapPanel panel={props.panel} /></Suspense></Match>
     </Switch>

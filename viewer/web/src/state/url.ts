@@ -6,7 +6,7 @@
 // so that a link of another version still opens.
 import type { Span } from '../time/span';
 
-export const kPanelKinds = ['images', 'plot', 'inspector', 'similar', 'nights', 'query', 'scene', 'map'] as const;
+export const kPanelKinds = ['images', 'plot', 'inspector', 'similar', 'nights', 'query', 'ask', 'scene', 'map'] as const;
 export type PanelKind = (typeof kPanelKinds)[number];
 
 export interface PanelState {

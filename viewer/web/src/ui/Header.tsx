@@ -19,6 +19,7 @@ const kPanels: readonly { kind: PanelKind; icon: IconName; title: string; ofEnti
   { kind: 'inspector', icon: 'list-tree', title: 'Inspector', ofEntity: false },
   { kind: 'scene', icon: 'box', title: '3-D scene', ofEntity: false },
   { kind: 'nights', icon: 'moon', title: 'Nights and bytes', ofEntity: false },
+  { kind: 'ask', icon: 'message', title: 'Ask', ofEntity: false },
   { kind: 'query', icon: 'terminal', title: 'Query', ofEntity: false },
 ];
 

@@ -13,6 +13,7 @@ import help from 'lucide/dist/esm/icons/circle-question-mark.mjs';
 import image from 'lucide/dist/esm/icons/image.mjs';
 import link from 'lucide/dist/esm/icons/link.mjs';
 import listTree from 'lucide/dist/esm/icons/list-tree.mjs';
+import message from 'lucide/dist/esm/icons/message-circle-question-mark.mjs';
 import moon from 'lucide/dist/esm/icons/moon.mjs';
 import penTool from 'lucide/dist/esm/icons/pen-tool.mjs';
 import pause from 'lucide/dist/esm/icons/pause.mjs';
@@ -31,7 +32,7 @@ import x from 'lucide/dist/esm/icons/x.mjs';
 
 const kIcons = {
   'arrow-left': arrowLeft, 'arrow-right': arrowRight, box, 'chart-line': chartLine, 'chart-scatter': chartScatter, 'chevron-down': chevronDown, 'chevron-right': chevronRight, code, copy,
-  download, help, image, link, 'list-tree': listTree, moon, 'pen-tool': penTool, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
+  download, help, image, link, 'list-tree': listTree, message, moon, 'pen-tool': penTool, pause, play, plus, radio, search, 'skip-back': skipBack, 'skip-forward': skipForward,
   sparkles, 'step-back': stepBack, 'step-forward': stepForward, table, terminal, x,
 };
 export type IconName = keyof typeof kIcons;

@@ -38,6 +38,7 @@ export const keyTable = (open: (dialog: 'search' | 'help' | 'time') => void, clo
   { keys: ['s'], shown: 's', what: 'moments similar to this one', run: () => { if (selected()) openPanel('similar', selected()); } },
   { keys: ['m'], shown: 'm', what: 'the memory map of the chosen entity', run: () => { if (selected()) openPanel('map', selected()); } },
   { keys: ['n'], shown: 'n', what: 'nights and bytes', run: () => void openPanel('nights', '') },
+  { keys: ['a'], shown: 'a', what: 'ask in English, or have it told', run: () => void openPanel('ask', '') },
   { keys: ['q'], shown: 'q', what: 'query', run: () => void openPanel('query', '') },
   { keys: ['3'], shown: '3', what: 'the scene in 3-D', run: () => void openPanel('scene', '') },
   { keys: ['/'], shown: '/', what: 'search entities', run: () => open('search') },
