@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 #: Where locks are checked: all that is installed. Tests and experiments lock as they like.
 ROOMS = ("augmentation", "cli", "datasets", "encoders", "ltm", "memory", "python", "reports",
-         "server", "training", "viewer")
+         "server", "speech", "training", "viewer")
 #: What has the capabilities; a source that does not see it has no lock to check.
 MUTEX = "ltm/core/mutex.h"
 COMPILER = "clang++-14"

@@ -15,7 +15,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROOMS = ("augmentation", "cli", "datasets", "encoders", "ltm", "memory", "python", "reports",
-         "server", "tests/benchmark", "training", "viewer")
+         "server", "speech", "tests/benchmark", "training", "viewer")
 # Sources of programs of their own.
 PROGRAMS = ("idf_main.cpp", "launcher.cpp")
 START = re.compile(r"^namespace \{$", re.MULTILINE)

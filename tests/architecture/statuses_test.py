@@ -11,7 +11,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 #: Tests, fuzzers and experiments call what fails on purpose.
 ROOMS = ("augmentation", "cli", "datasets", "encoders", "ltm", "memory", "python", "reports",
-         "server", "training", "viewer")
+         "server", "speech", "training", "viewer")
 #: A function or method of ours, or gRPC's, that says whether it could.
 _DECLARED = re.compile(r"\b(?:Status|Result<[^;{}()=]*>)&?\s+(?:\w+::)*(\w+)\s*\(")
 _CAST = re.compile(r"(?:\(void\)|static_cast<void>\(|\bstd::ignore\s*=)\s*([^;]*);")

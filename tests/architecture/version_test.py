@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[2]
 KNOWN = ("CITATION.cff", "CHANGELOG.md", "python/pyproject.toml")
 #: What of the sources is searched for constants that nobody listed.
 FOLDERS = ("augmentation", "cli", "cmake", "datasets", "encoders", "ltm", "memory", "python",
-           "reports", "server", "training", "viewer")
+           "reports", "server", "speech", "training", "viewer")
 ENDINGS = {".cpp", ".h", ".in", ".cmake", ".py", ".toml", ".txt"}
 _CONSTANT = re.compile(r"^.*version\w*\s*=\s*[\"'](\d+\.\d+\.\d+)[\"']",
                        re.IGNORECASE | re.MULTILINE)

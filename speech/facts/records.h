@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ltm/core/time.h"
+#include "ltm/memory/action_outcome.h"
+#include "ltm/memory/memory_id.h"
+
+namespace engram::speech {
+
+/// One execution of a skill, from the events that tell of it. All IDs are of instances, but for
+/// those of things and places, which are entities.
+struct Execution {
+  ltm::MemoryId start_id;               ///< The first event that tells of it.
+  std::optional<ltm::MemoryId> end_id;  ///< The event at which it ended; nothing: none is known.
+  std::string provider;                 ///< Empty: its events do not name one.
+  std::string skill;                    ///< Without its provider.
+  /// kRunning: no end is known. kUnknown: it was lost.
+  ltm::ActionOutcome outcome = ltm::ActionOutcome::kRunning;
+  std::string reason;  ///< What was measured, or why it ended.
+  Time started{};
+  std::optional<Time> ended;
+  std::string hand;                    ///< Empty: none is told.
+  std::optional<ltm::MemoryId> thing;  ///< What it was done with.
+  std::optional<ltm::MemoryId> place;  ///< Where it was done, or where it led.
+  std::optional<ltm::MemoryId> request;
+  std::optional<ltm::MemoryId> plan;
+  std::vector<ltm::MemoryId> stopped_by;
+  std::optional<ltm::MemoryId> thing_before;  ///< The thing as it was when it began,
+  std::optional<ltm::MemoryId> thing_after;   ///< and when it ended.
+
+  /// Whether it went on at `time`.
+  [[nodiscard]] bool is_at(Time time) const {
+    return started <= time && (!ended || time <= *ended);
+  }
+};
+
+/// What somebody said.
+struct SpokenWords {
+  ltm::MemoryId id;
+  Time time{};
+  std::string speaker;
+  std::string text;
+};
+
+/// One step of a plan.
+struct PlannedStep {
+  std::string skill;
+  std::optional<ltm::MemoryId> thing;
+  std::optional<ltm::MemoryId> place;
+};
+
+/// What the robot meant to do.
+struct TaskPlan {
+  ltm::MemoryId id;
+  Time time{};
+  std::string goal;
+  std::optional<ltm::MemoryId> command;  ///< The words that it follows.
+  std::vector<PlannedStep> steps;
+};
+
+/// A request that was not carried out.
+struct RefusedRequest {
+  ltm::MemoryId id;
+  Time time{};
+  std::string skill;  ///< Without its provider.
+  std::string reason;
+  std::optional<ltm::MemoryId> request;
+};
+
+/// What happened to a drive around obstacles.
+struct DriveNote {
+  ltm::MemoryId id;
+  Time time{};
+  std::string kind;  ///< "started", "replanned", "blocked", "arrived", "refused", "trapped", ...
+  std::string goal;
+  std::string reason;
+  std::optional<ltm::MemoryId> request;
+  std::vector<ltm::MemoryId> blocked_by;
+};
+
+}  // namespace engram::speech

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/facts/known_facts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ltm/expect_status.h"
+#include "tests/speech/remembered_kitchen.h"
+
+namespace engram::speech {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using testing::RememberedKitchen;
+using testing::second;
+using ::testing::SizeIs;
+
+ltm::MemoryId thing_entity(const std::string& name) {
+  return *ltm::MemoryId::parse("Objects/Instances/kitchen/" + name);
+}
+
+TEST(KnownFacts, OfAnEmptyMemoryAreNone) {
+  const ScratchDirectory scratch;
+  auto memory = Memory::open(scratch.path() / "empty.engram");
+  ASSERT_OK(memory);
+  const auto facts = KnownFacts::read(**memory);
+  ASSERT_OK(facts);
+  EXPECT_THAT((*facts)->executions(), IsEmpty());
+  EXPECT_THAT((*facts)->world().things(), IsEmpty());
+  EXPECT_EQ((*facts)->first_moment(), (*facts)->last_moment());
+}
+
+TEST(KnownFacts, HaveEachExecutionOnceWithItsOutcome) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto& executions = (*facts)->executions();
+  ASSERT_THAT(executions, SizeIs(9));
+  EXPECT_EQ(executions[0].skill, "look");
+  EXPECT_EQ(executions[0].provider, "robot");
+  const Execution& failed = executions[2];
+  EXPECT_EQ(failed.skill, "pick");
+  EXPECT_EQ(failed.outcome, ltm::ActionOutcome::kFailure);
+  EXPECT_EQ(failed.hand, "right");
+  EXPECT_EQ(failed.thing, thing_entity("salt_box_1"));
+  EXPECT_EQ((*facts)->world().spoken(*failed.place), "counter");
+  EXPECT_EQ(failed.started, second(4));
+  EXPECT_EQ(failed.ended, second(8));
+  EXPECT_EQ(failed.start_id.to_string(), "Skill/Event/robot/pick/2026-01-01 08:00:04.000000/0");
+  EXPECT_EQ(failed.end_id->to_string(), "Skill/Event/robot/pick/2026-01-01 08:00:08.000000/0");
+  EXPECT_THAT(executions[8].stopped_by, SizeIs(1));
+  EXPECT_EQ((*facts)->words_at(executions[8].stopped_by[0])->text, "Stop!");
+  EXPECT_THAT((*facts)->skills(), ElementsAre("look", "navigate", "pick", "place"));
+  EXPECT_EQ((*facts)->plan_at(*failed.plan)->steps.size(), 5u);
+  EXPECT_EQ((*facts)->last_moment(), second(60));
+}
+
+TEST(KnownFacts, FollowLinksToTheWordsThatCausedAnExecution) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto causes = (*facts)->causes_of((*facts)->executions()[1]);
+  ASSERT_OK(causes);
+  ASSERT_THAT(*causes, SizeIs(3));
+  EXPECT_EQ((*causes)[0].id.names()[1], "ExecutionRequest");
+  EXPECT_EQ((*causes)[1].says, "salt_box_1 on table");
+  EXPECT_EQ((*causes)[2].says, "I need the salt on the table.");
+  EXPECT_EQ((*causes)[2].speaker, "Ada");
+}
+
+TEST(KnownFacts, TakeNamesOfThingsFromTheirClasses) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const KnownWorld& world = (*facts)->world();
+  EXPECT_THAT(world.things_called("Salt"), ElementsAre(thing_entity("salt_box_1")));
+  EXPECT_THAT(world.things_called("salt box"), ElementsAre(thing_entity("salt_box_1")));
+  EXPECT_EQ(world.spoken(thing_entity("red_cup_1")), "red cup");
+  // There is a class of oil, and no oil.
+  EXPECT_THAT(world.things_called("oil"), IsEmpty());
+  EXPECT_TRUE(world.knows_thing("oil"));
+  EXPECT_FALSE(world.knows_thing("elephant"));
+}
+
+TEST(KnownFacts, SayWhereThingsAndTheRobotWere) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const KnownWorld& world = (*facts)->world();
+  const auto place_at = [&](const char* name, double at) -> std::string {
+    const auto state = (*facts)->thing_at(thing_entity(name), second(at));
+    const KnownPlace* place = world.under(*(*state)->spot);
+    return place == nullptr ? "nowhere" : place->spoken;
+  };
+  EXPECT_EQ(place_at("salt_box_1", 5), "counter");
+  EXPECT_EQ(place_at("salt_box_1", 59), "table");
+  EXPECT_EQ(place_at("red_cup_1", 59), "table");
+  const auto before = (*facts)->thing_at(thing_entity("salt_box_1"), second(-1));
+  ASSERT_OK(before);
+  EXPECT_FALSE(before->has_value());
+  const auto states = (*facts)->things_at(second(14));
+  ASSERT_OK(states);
+  EXPECT_THAT(*states, SizeIs(3));
+  const auto robot = (*facts)->robot_at(second(20));
+  ASSERT_OK(robot);
+  EXPECT_EQ(world.beside((*robot)->spot, 1.0)->spoken, "table");
+  const auto way = (*facts)->way_of_robot(second(4), second(16));
+  ASSERT_OK(way);
+  EXPECT_NEAR((*way)->length_m, std::hypot(1.1, 0.8), 1e-5);
+}
+
+TEST(KnownFacts, FindTheFirstAndLastStateThatFits) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  kitchen.live_one_minute(3);
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto is_seen = [](const ThingState& state) { return state.is_visible == true; };
+  const auto last =
+      (*facts)->last_state(thing_entity("salt_box_1"), Time::min(), Time::max(), is_seen);
+  ASSERT_OK(last);
+  EXPECT_EQ((*last)->time, second(19, 3));
+  const auto first =
+      (*facts)->first_state(thing_entity("salt_box_1"), second(1), Time::max(), is_seen);
+  ASSERT_OK(first);
+  EXPECT_EQ((*first)->time, second(13));
+  const auto never =
+      (*facts)->last_state(thing_entity("red_cup_1"), Time::min(), Time::max(), is_seen);
+  ASSERT_OK(never);
+  EXPECT_FALSE(never->has_value());
+}
+
+TEST(KnownFacts, TakeUpWhatCameSince) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  // It began before and ends after the memory was read.
+  kitchen.execute({.skill = "place", .from = 61, .is_ended = false});
+  ASSERT_OK((*facts)->refresh());
+  ASSERT_THAT((*facts)->executions(), SizeIs(10));
+  EXPECT_EQ((*facts)->executions().back().outcome, ltm::ActionOutcome::kRunning);
+  kitchen.live_one_minute(1);
+  ASSERT_OK((*facts)->refresh());
+  EXPECT_THAT((*facts)->executions(), SizeIs(19));
+  EXPECT_THAT((*facts)->words(), SizeIs(6));
+  EXPECT_EQ((*facts)->last_moment(), second(60, 1));
+}
+
+TEST(KnownFacts, ReadActionsOfBeforeThereWereEvents) {
+  RememberedKitchen kitchen;
+  const auto entity = *ltm::MemoryId::parse("Skills/Actions/robot/pick");
+  const auto commit = [&](double at, int32_t outcome) {
+    idf::Dict value{{"skill", "pick"},
+                    {"outcome", outcome},
+                    {"reason", "lifted"},
+                    {"started", to_ns(second(1))},
+                    {"hand", "left"}};
+    ASSERT_OK(kitchen.memory().commit({{{entity, second(at), {{idf::Data(value), {}}}}}}));
+  };
+  commit(1, 0);
+  commit(4, 1);
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  ASSERT_THAT((*facts)->executions(), SizeIs(1));
+  EXPECT_EQ((*facts)->executions()[0].outcome, ltm::ActionOutcome::kSuccess);
+  EXPECT_EQ((*facts)->executions()[0].ended, second(4));
+  EXPECT_EQ((*facts)->executions()[0].hand, "left");
+}
+
+}  // namespace
+}  // namespace engram::speech
