@@ -154,6 +154,7 @@ void RememberedKitchen::live_one_minute(int day) {
            .reason = "in sight",
            .plan = first,
            .day = day});
+  stand(2, 0, 0.5, 1.57, day);
   execute({.skill = "navigate",
            .from = 2,
            .to = 4,
@@ -182,6 +183,7 @@ void RememberedKitchen::live_one_minute(int day) {
            .plan = first,
            .day = day});
   see(13, "salt_box_1", 0.3, 1.2, 1.1, true, "right", day);
+  stand(13, 0.3, 0.9, 1.57, day);
   execute({.skill = "navigate",
            .from = 13,
            .to = 16,

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/program/outcome.h"
+
+#include <algorithm>
+
+namespace engram::speech {
+
+void Outcome::cite(const ltm::MemoryId& id, std::string_view role) {
+  const bool is_cited = std::any_of(evidence.begin(), evidence.end(),
+                                    [&](const Evidence& known) { return known.id == id; });
+  if (!is_cited && evidence.size() < kMaxEvidence) evidence.push_back({id, std::string(role)});
+}
+
+void Outcome::cite(const Execution& execution) {
+  cite(execution.start_id, "started");
+  if (execution.end_id) cite(*execution.end_id, "ended");
+}
+
+}  // namespace engram::speech

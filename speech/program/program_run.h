@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: one execution of a program.
+
+#include "speech/program/execute.h"
+#include "speech/program/record_filter.h"
+
+namespace engram::speech {
+
+/// Carries out a program that validates.
+///
+/// Threading: one thread.
+class ProgramRun {
+ public:
+  ProgramRun(const Program& program, KnownFacts& facts, Time now, DayZone zone)
+      : program_(program), facts_(facts), now_(now), zone_(zone) {
+    outcome_.program = program;
+    outcome_.now = now;
+  }
+
+  /// Errors: those of execute().
+  Result<Outcome> run();
+
+ private:
+  // The records that the filters keep (program_run.cpp).
+  Status collect(RecordFilter& filter);
+  Status collect_things(RecordFilter& filter);
+  Status collect_robot(const RecordFilter& filter);
+  Status apply(const ProgramStep& step, const RecordFilter& filter);
+  Status compare(const ProgramStep& step);
+  Result<std::optional<Time>> inner_time(const Program& program);
+
+  // Steps on any records (record_steps.cpp).
+  bool select(const ProgramStep& step);
+  void count_or_exists(StepKind kind, const RecordFilter& filter);
+  void tell_when();
+  Status tell_who();
+  void tell_which(const std::string& what);
+  Status tell_said();
+
+  // Steps on executions (execution_steps.cpp, plan_steps.cpp).
+  Status apply_to_executions(const ProgramStep& step);
+  void tell_how_long();
+  Status tell_how_far();
+  void tell_where_executed();
+  Status tell_from();
+  Status tell_why();
+  void tell_reason();
+  void tell_who_stopped();
+  void tell_retried();
+  void tell_instead(const ProgramStep& step);
+  void go_to_neighbour(int by);
+
+  // Steps on things and the robot (thing_steps.cpp).
+  Status apply_to_things(const ProgramStep& step, const RecordFilter& filter);
+  Status seek_seen(bool is_last, const RecordFilter& filter);
+  void tell_where_things();
+  void tell_where_robot();
+  void tell_is_at(StepKind kind, const RecordFilter& filter);
+  void tell_holder();
+  void tell_visible();
+
+  /// Says that the answer is unknown, and why.
+  void miss(std::string why);
+  [[nodiscard]] bool is_missed() const { return !outcome_.missing.empty(); }
+  /// The number of records that are left.
+  [[nodiscard]] size_t size() const;
+  /// Cites the first and last record of a time, in which nothing fits. Returns whether there is
+  /// any.
+  bool cite_looked_at(const Period& period);
+
+  const Program& program_;
+  KnownFacts& facts_;
+  const Time now_;
+  const DayZone zone_;
+  Outcome outcome_;
+  std::vector<RefusedRequest> refusals_;
+  std::vector<DriveNote> drives_;
+  std::optional<RobotState> robot_;
+};
+
+}  // namespace engram::speech

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/program/record_filter.h"
+
+#include <algorithm>
+
+#include "ltm/core/ascii.h"
+#include "ltm/core/printable.h"
+
+namespace engram::speech {
+
+namespace {
+
+std::vector<std::string> comma_parts(const std::string& text) {
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    if (end > begin) parts.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return parts;
+}
+
+/// An entity by its ID, or all that have a name.
+std::vector<ltm::MemoryId> entities_called(const KnownWorld& world, const std::string& text,
+                                           bool is_thing) {
+  std::vector<ltm::MemoryId> entities;
+  for (const std::string& name : comma_parts(text)) {
+    if (const auto id = ltm::MemoryId::parse(name); id.ok() && id->has_entity()) {
+      entities.push_back(id->entity());
+      continue;
+    }
+    const auto found = is_thing ? world.things_called(name) : world.places_called(name);
+    entities.insert(entities.end(), found.begin(), found.end());
+  }
+  return entities;
+}
+
+bool is_speaker_known(const KnownFacts& facts, const std::string& lower) {
+  return std::any_of(facts.words().begin(), facts.words().end(),
+                     [&](const SpokenWords& words) { return lower_ascii(words.speaker) == lower; });
+}
+
+}  // namespace
+
+Result<RecordFilter> RecordFilter::create(const Program& program, KnownFacts& facts, Time now,
+                                          DayZone zone, const InnerTime& inner) {
+  RecordFilter filter(facts, now);
+  filter.take_names(program);
+  ENGRAM_RETURN_IF_ERROR(filter.take_times(program, now, zone, inner));
+  return filter;
+}
+
+void RecordFilter::take_names(const Program& program) {
+  for (const ProgramFilter& filter : program.filters)
+    if (filter.value.program == nullptr) take_name(filter.key, filter.value.text);
+}
+
+void RecordFilter::take_name(FilterKey key, const std::string& text) {
+  const KnownWorld& world = facts_->world();
+  const std::string lower = lower_ascii(text);
+  const auto miss = [&](const char* kind) {
+    if (missing_.empty()) missing_ = fmt::format("no {} is called {}", kind, printable(text));
+  };
+  switch (key) {
+    case FilterKey::kThing:
+      things_ = entities_called(world, text, true);
+      has_things_ = true;
+      if (things_.empty() && world.knows_thing(text))
+        missing_ = fmt::format("none called {} was ever seen", printable(text));
+      else if (things_.empty())
+        miss("thing");
+      break;
+    case FilterKey::kPlace:
+      places_ = entities_called(world, text, false);
+      has_places_ = true;
+      if (places_.empty()) miss("place");
+      break;
+    case FilterKey::kSkill: {
+      skills_ = comma_parts(lower);
+      const auto& known = facts_->skills();
+      const bool is_known = std::any_of(skills_.begin(), skills_.end(), [&](const auto& name) {
+        return std::find(known.begin(), known.end(), name.substr(name.rfind('/') + 1)) !=
+               known.end();
+      });
+      if (!is_known) miss("skill");
+      break;
+    }
+    case FilterKey::kSpeaker:
+      speaker_ = lower;
+      if (!is_speaker_known(*facts_, lower)) miss("person who spoke");
+      break;
+    case FilterKey::kHand:
+      hand_ = lower;
+      break;
+    case FilterKey::kOutcome:
+      outcome_ = lower;
+      break;
+    case FilterKey::kText:
+      text_ = lower;
+      break;
+    case FilterKey::kKind:
+      kind_ = lower;
+      break;
+    case FilterKey::kIsHeld:
+      is_held_ = lower == "yes";
+      break;
+    case FilterKey::kVisible:
+      is_visible_ = lower == "yes";
+      break;
+    default:
+      break;
+  }
+}
+
+Status RecordFilter::take_times(const Program& program, Time now, DayZone zone,
+                                const InnerTime& inner) {
+  for (const ProgramFilter& filter : program.filters) {
+    const bool is_time = filter.key == FilterKey::kDuring || filter.key == FilterKey::kAt ||
+                         filter.key == FilterKey::kAfter || filter.key == FilterKey::kBefore;
+    if (!is_time) continue;
+    Period period;
+    if (filter.value.program != nullptr) {
+      ENGRAM_ASSIGN_OR_RETURN(const std::optional<Time> time, inner(*filter.value.program));
+      if (!time) {
+        if (missing_.empty())
+          missing_ = fmt::format("there is no time '{}'", filter.value.program->to_string());
+        continue;
+      }
+      period = {*time, *time};
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(period, resolve_period(filter.value.text, now, zone));
+    }
+    if (filter.key == FilterKey::kAt) at_ = period;
+    if (filter.key == FilterKey::kDuring) {
+      begun_.from = std::max(begun_.from, period.from);
+      begun_.to = std::min(begun_.to, period.to);
+    }
+    // "After 8:05" includes that minute, and "after yesterday" nothing of that day.
+    const bool is_long = period.from != Time::min() && period.to != Time::max() &&
+                         period.to - period.from > std::chrono::minutes(1);
+    if (filter.key == FilterKey::kAfter)
+      begun_.from = std::max(begun_.from, is_long ? period.to : period.from);
+    if (filter.key == FilterKey::kBefore && period.from != Time::min())
+      begun_.to = std::min(begun_.to, period.from - Duration(1));
+  }
+  return {};
+}
+
+bool RecordFilter::is_begun(Time time) const {
+  return begun_.contains(time);
+}
+
+bool RecordFilter::has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const {
+  if (!(is_thing ? has_things_ : has_places_)) return true;
+  const auto& wanted = is_thing ? things_ : places_;
+  return entity && std::find(wanted.begin(), wanted.end(), *entity) != wanted.end();
+}
+
+bool RecordFilter::has_skill(const std::string& provider, const std::string& skill) const {
+  if (skills_.empty()) return true;
+  const std::string name = lower_ascii(skill);
+  const std::string whole = lower_ascii(provider) + "/" + name;
+  return std::any_of(skills_.begin(), skills_.end(),
+                     [&](const std::string& wanted) { return wanted == name || wanted == whole; });
+}
+
+bool RecordFilter::has_text(const std::string& text) const {
+  return text_.empty() || lower_ascii(text).find(text_) != std::string::npos;
+}
+
+bool RecordFilter::has_outcome(const Execution& execution) const {
+  using ltm::ActionOutcome;
+  if (outcome_.empty()) return true;
+  if (outcome_ == "problem")
+    return execution.outcome == ActionOutcome::kFailure ||
+           execution.outcome == ActionOutcome::kStop;
+  if (outcome_ == "lost") return execution.outcome == ActionOutcome::kUnknown;
+  return ltm::name_of(execution.outcome) == outcome_;
+}
+
+Result<bool> RecordFilter::keeps(const Execution& execution) {
+  if (!is_begun(execution.started) || !has_skill(execution.provider, execution.skill) ||
+      !has_entity(execution.thing, true) || !has_entity(execution.place, false) ||
+      !has_outcome(execution) || !has_text(execution.reason))
+    return false;
+  if (!hand_.empty() && lower_ascii(execution.hand) != hand_) return false;
+  if (at_ && (execution.started > at_->to || (execution.ended && *execution.ended < at_->from)))
+    return false;
+  if (speaker_.empty()) return true;
+  ENGRAM_ASSIGN_OR_RETURN(const std::string speaker, speaker_of(*facts_, execution));
+  return lower_ascii(speaker) == speaker_;
+}
+
+bool RecordFilter::keeps(const SpokenWords& words) const {
+  return is_begun(words.time) && has_text(words.text) && (!at_ || at_->contains(words.time)) &&
+         (speaker_.empty() || lower_ascii(words.speaker) == speaker_);
+}
+
+bool RecordFilter::keeps(const TaskPlan& plan) const {
+  if (!is_begun(plan.time) || !has_text(plan.goal) || (at_ && !at_->contains(plan.time)))
+    return false;
+  const SpokenWords* words = plan.command ? facts_->words_at(*plan.command) : nullptr;
+  if (!speaker_.empty() && (words == nullptr || lower_ascii(words->speaker) != speaker_))
+    return false;
+  const auto leads_to = [&](bool is_thing) {
+    return std::any_of(plan.steps.begin(), plan.steps.end(), [&](const PlannedStep& step) {
+      return has_entity(is_thing ? step.thing : step.place, is_thing);
+    });
+  };
+  return (!has_things_ || leads_to(true)) && (!has_places_ || leads_to(false));
+}
+
+bool RecordFilter::keeps(const RefusedRequest& refusal) const {
+  return is_begun(refusal.time) && has_skill({}, refusal.skill) && has_text(refusal.reason) &&
+         (!at_ || at_->contains(refusal.time));
+}
+
+bool RecordFilter::keeps(const DriveNote& note) const {
+  return is_begun(note.time) && has_text(note.goal + " " + note.reason) &&
+         (kind_.empty() || note.kind == kind_) && (!at_ || at_->contains(note.time));
+}
+
+Result<std::optional<SpokenWords>> words_of(KnownFacts& facts, const Execution& execution) {
+  // The plan and its command are in the index; other links must be read.
+  const TaskPlan* plan = execution.plan ? facts.plan_at(*execution.plan) : nullptr;
+  if (plan != nullptr && plan->command)
+    if (const SpokenWords* words = facts.words_at(*plan->command)) return std::optional(*words);
+  ENGRAM_ASSIGN_OR_RETURN(const auto causes, facts.causes_of(execution));
+  for (const KnownFacts::Cause& cause : causes)
+    if (const SpokenWords* words = facts.words_at(cause.id)) return std::optional(*words);
+  return std::optional<SpokenWords>();
+}
+
+Result<std::string> speaker_of(KnownFacts& facts, const Execution& execution) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto words, words_of(facts, execution));
+  return words ? words->speaker : std::string();
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "ltm/core/ascii.h"
+#include "speech/program/program_run.h"
+
+namespace engram::speech {
+
+namespace {
+
+/// How near the robot must be to a place to be there.
+constexpr double kAtPlace_m = 1.5;
+
+bool is_seen(const ThingState& state) {
+  return state.is_visible.value_or(false);
+}
+
+bool is_among(const std::vector<ltm::MemoryId>& entities, const ltm::MemoryId& entity) {
+  return std::find(entities.begin(), entities.end(), entity) != entities.end();
+}
+
+}  // namespace
+
+Status ProgramRun::collect_things(RecordFilter& filter) {
+  const KnownWorld& world = facts_.world();
+  // A step that seeks the state in which a thing was seen reads it itself.
+  for (const ProgramStep& step : program_.steps)
+    if (step.kind == StepKind::kFirstSeen || step.kind == StepKind::kLastSeen) return {};
+  std::vector<ThingState> states;
+  if (program_.find(FilterKey::kDuring) != nullptr) {
+    // What was seen at any time of a span.
+    for (const KnownThing& thing : world.things()) {
+      if (!thing.entity || (filter.has_things() && !is_among(filter.things(), *thing.entity)))
+        continue;
+      ENGRAM_ASSIGN_OR_RETURN(auto seen, facts_.last_state(*thing.entity, filter.begun().from,
+                                                           filter.begun().to, is_seen));
+      if (seen) states.push_back(*std::move(seen));
+    }
+  } else {
+    const Time at = filter.at() ? filter.at()->to : now_;
+    ENGRAM_ASSIGN_OR_RETURN(states, facts_.things_at(std::min(at, now_)));
+  }
+  for (ThingState& state : states) {
+    if (filter.has_things() && !is_among(filter.things(), state.id.entity())) continue;
+    if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
+    if (filter.is_visible() && *filter.is_visible() != is_seen(state)) continue;
+    if (!filter.hand().empty() && lower_ascii(state.held_by) != filter.hand()) continue;
+    if (filter.has_places()) {
+      const KnownPlace* place =
+          state.spot && state.held_by.empty() ? world.under(*state.spot) : nullptr;
+      if (place == nullptr || !is_among(filter.places(), place->entity)) continue;
+    }
+    outcome_.states.push_back(std::move(state));
+  }
+  return {};
+}
+
+Status ProgramRun::collect_robot(const RecordFilter& filter) {
+  const Time at = std::min(filter.at() ? filter.at()->to : now_, now_);
+  ENGRAM_ASSIGN_OR_RETURN(robot_, facts_.robot_at(at));
+  // A state of an hour ago tells nothing about now.
+  if (robot_ && at - robot_->time > std::chrono::hours(1)) robot_.reset();
+  if (!robot_) miss("the memory has no place of the robot then");
+  return {};
+}
+
+/// The state of the things when one of them was first or last in sight.
+Status ProgramRun::seek_seen(bool is_last, const RecordFilter& filter) {
+  std::optional<ThingState> best;
+  for (const KnownThing& thing : facts_.world().things()) {
+    if (!thing.entity || (filter.has_things() && !is_among(filter.things(), *thing.entity)))
+      continue;
+    const auto& [from, to] = filter.begun();
+    auto seen = is_last ? facts_.last_state(*thing.entity, from, to, is_seen)
+                        : facts_.first_state(*thing.entity, from, to, is_seen);
+    ENGRAM_RETURN_IF_ERROR(seen.status());
+    if (!*seen) continue;
+    if (!best || (is_last ? best->time < (*seen)->time : best->time > (*seen)->time))
+      best = **std::move(seen);
+  }
+  if (!best) {
+    miss("it was never in sight");
+    return {};
+  }
+  outcome_.states = std::vector<ThingState>{*std::move(best)};
+  return {};
+}
+
+Status ProgramRun::apply_to_things(const ProgramStep& step, const RecordFilter& /*filter*/) {
+  switch (step.kind) {
+    case StepKind::kWhere:
+      if (program_.source == ProgramSource::kRobot)
+        tell_where_robot();
+      else
+        tell_where_things();
+      return {};
+    case StepKind::kHolder:
+      tell_holder();
+      return {};
+    case StepKind::kIsVisible:
+      tell_visible();
+      return {};
+    default:
+      return invalid_argument("program: {} have no step {}", name_of(program_.source),
+                              name_of(step.kind));
+  }
+}
+
+void ProgramRun::tell_where_things() {
+  const KnownWorld& world = facts_.world();
+  std::vector<std::string> names;
+  for (const ThingState& state : outcome_.states) {
+    outcome_.cite(state.id, "thing");
+    if (!state.held_by.empty()) {
+      const bool says_hand = lower_ascii(state.held_by).find("hand") != std::string::npos;
+      names.push_back(says_hand ? state.held_by : state.held_by + " hand");
+      continue;
+    }
+    const KnownPlace* place = state.spot ? world.under(*state.spot) : nullptr;
+    if (place == nullptr) continue;
+    names.push_back(place->spoken);
+    outcome_.cite(place->evidence, "place");
+  }
+  if (names.empty()) miss("it was at no place that has a name");
+  outcome_.value = names_of(std::move(names));
+}
+
+void ProgramRun::tell_where_robot() {
+  const KnownPlace* place = facts_.world().beside(robot_->spot, kAtPlace_m);
+  if (place == nullptr) {
+    miss(fmt::format("the robot was at x {:.2f} m, y {:.2f} m, near no place that has a name",
+                     robot_->spot.x, robot_->spot.y));
+    return;
+  }
+  outcome_.cite(robot_->id, "robot");
+  outcome_.cite(place->evidence, "place");
+  // Where it drove to last says the same in other words.
+  const Execution* last = nullptr;
+  for (const Execution& execution : facts_.executions())
+    if (execution.ended && *execution.ended <= robot_->time && execution.place == place->entity)
+      last = &execution;
+  if (last != nullptr) outcome_.cite(*last);
+  outcome_.value = answers::Names{{place->spoken}};
+}
+
+/// Whether the robot was at one of the places that the filters name.
+void ProgramRun::tell_is_at(StepKind kind, const RecordFilter& filter) {
+  const KnownPlace* place = facts_.world().beside(robot_->spot, kAtPlace_m);
+  const bool is_there =
+      filter.has_places() ? place != nullptr && is_among(filter.places(), place->entity) : true;
+  outcome_.cite(robot_->id, "robot");
+  if (place != nullptr) outcome_.cite(place->evidence, "place");
+  if (kind == StepKind::kCount)
+    outcome_.value = answers::Count{is_there ? 1 : 0};
+  else
+    outcome_.value = answers::YesNo{is_there == (kind == StepKind::kExists)};
+}
+
+void ProgramRun::tell_holder() {
+  std::vector<std::string> names;
+  for (const ThingState& state : outcome_.states) {
+    if (state.held_by.empty()) continue;
+    names.push_back(state.held_by);
+    outcome_.cite(state.id, "thing");
+  }
+  if (names.empty()) miss("nothing held it then");
+  outcome_.value = names_of(std::move(names));
+}
+
+void ProgramRun::tell_visible() {
+  bool is_visible = false;
+  for (const ThingState& state : outcome_.states) {
+    is_visible = is_visible || is_seen(state);
+    outcome_.cite(state.id, "thing");
+  }
+  outcome_.value = answers::YesNo{is_visible};
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/program/execute.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/ltm/expect_status.h"
+#include "tests/speech/remembered_kitchen.h"
+
+namespace engram::speech {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using testing::RememberedKitchen;
+using testing::second;
+
+class Executing : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    kitchen_.live_one_minute();
+    auto facts = KnownFacts::read(kitchen_.memory());
+    ASSERT_OK(facts);
+    facts_ = *std::move(facts);
+  }
+
+  Outcome outcome_of(const std::string& text) {
+    const auto program = Program::parse(text);
+    EXPECT_OK(program);
+    if (!program.ok()) return {};
+    auto outcome = execute(*program, *facts_, now_, DayZone::kUtc);
+    EXPECT_OK(outcome);
+    return outcome.ok() ? *outcome : Outcome();
+  }
+
+  /// The value as JSON, without links; of what is unknown why it is.
+  std::string value_of(const std::string& text) {
+    const Outcome outcome = outcome_of(text);
+    if (is_unknown(outcome.value)) {
+      EXPECT_THAT(outcome.evidence, IsEmpty()) << text;
+      return "unknown: " + outcome.missing;
+    }
+    EXPECT_THAT(outcome.evidence, Not(IsEmpty())) << text;
+    for (const Evidence& evidence : outcome.evidence) EXPECT_OK(facts_->value_at(evidence.id));
+    const auto json = to_json(outcome.value);
+    return json.contains("value") ? json["value"].dump() : json.dump();
+  }
+
+  RememberedKitchen kitchen_;
+  std::unique_ptr<KnownFacts> facts_;
+  Time now_ = second(60);
+};
+
+TEST_F(Executing, SelectsAndFilters) {
+  EXPECT_EQ(value_of("executions | count"), "9");
+  EXPECT_EQ(value_of("executions skill=pick thing=salt | count"), "2");
+  EXPECT_EQ(value_of("executions skill=robot/pick | count"), "3");
+  EXPECT_EQ(value_of("executions skill=pick,place | count"), "4");
+  EXPECT_EQ(value_of("executions outcome=problem | count"), "2");
+  EXPECT_EQ(value_of("executions hand=left | count"), "1");
+  EXPECT_EQ(value_of("executions place=table skill=navigate | count"), "1");
+  EXPECT_EQ(value_of("executions speaker=ben | count"), "3");
+  EXPECT_EQ(value_of("executions thing=Objects/Instances/kitchen/tea_box_1 | count"), "3");
+  EXPECT_EQ(value_of("executions skill=pick | first | events"),
+            R"(["Skill/Event/robot/pick/2026-01-01 08:00:04.000000/0"])");
+  EXPECT_EQ(value_of("executions skill=pick | nth=2 | which=hand"), R"(["right"])");
+  EXPECT_EQ(value_of("executions skill=pick | which=thing"), R"(["salt","tea"])");
+  EXPECT_EQ(value_of("executions | longest | which=skill"), R"(["pick"])");
+}
+
+TEST_F(Executing, KeepsToTimes) {
+  EXPECT_EQ(value_of("executions during=last:30s | count"), "3");
+  EXPECT_EQ(value_of("executions at=08:00:05 | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions during=08:00:00..08:00:05 | count"), "3");
+  EXPECT_EQ(
+      value_of("executions skill=navigate after=(executions skill=place | last | ended) | count"),
+      "1");
+  EXPECT_EQ(value_of("executions before=08:00:09 | count"), "3");
+  // Nothing after the moment of the question is known then.
+  now_ = second(10);
+  EXPECT_EQ(value_of("executions | count"), "4");
+  EXPECT_EQ(value_of("executions | last | next | when"), "unknown: nothing was done after it");
+}
+
+TEST_F(Executing, TellsWhenAndHowLong) {
+  EXPECT_EQ(value_of("executions skill=place | last | when"), R"("2026-01-01 08:00:16.000000")");
+  EXPECT_EQ(value_of("executions skill=place | last | ended"), R"("2026-01-01 08:00:19.000000")");
+  EXPECT_EQ(value_of("executions skill=place | last | how_long"), "3.0");
+  EXPECT_EQ(
+      value_of("executions skill=place | span"),
+      R"({"kind":"span","from":"2026-01-01 08:00:16.000000","to":"2026-01-01 08:00:19.000000"})");
+  const Outcome way = outcome_of("executions skill=navigate speaker=Ada | how_far");
+  ASSERT_EQ(kind_of(way.value), "metres");
+  EXPECT_NEAR(std::get<answers::Metres>(way.value).value, 0.5 + std::hypot(1.1, 0.8), 1e-5);
+}
+
+TEST_F(Executing, FollowsLinks) {
+  EXPECT_EQ(value_of("executions skill=navigate place=table | last | why"),
+            R"("Ada said: I need the salt on the table.")");
+  EXPECT_EQ(value_of("executions outcome=failure | last | reason"),
+            R"("the hand closed 0.070 m away from its grasp")");
+  EXPECT_EQ(value_of("executions outcome=stop | last | reason"),
+            R"("told to stop; Ben said: Stop!")");
+  EXPECT_EQ(value_of("executions outcome=stop | who_stopped"), R"(["Ben"])");
+  EXPECT_EQ(value_of("executions skill=place | last | who"), R"(["Ada"])");
+  EXPECT_EQ(value_of("plans thing=tea | said"), R"("Please bring the tea to the table.")");
+  EXPECT_EQ(value_of("executions outcome=failure | last | retried"), "true");
+  EXPECT_EQ(value_of("executions outcome=stop | last | retried"), "false");
+  const Outcome why = outcome_of("executions skill=navigate place=table | last | why");
+  EXPECT_EQ(std::get<answers::Reason>(why.value).links.size(), 3u);
+}
+
+TEST_F(Executing, TellsWhatWouldHaveBeenDone) {
+  EXPECT_EQ(value_of("executions outcome=stop | last | instead"), R"(["navigate","place"])");
+  // The attempt that failed was tried again, and what came after it is left all the same.
+  EXPECT_EQ(value_of("executions outcome=failure | last | instead"), R"(["navigate","place"])");
+  EXPECT_EQ(value_of("executions skill=place | last | instead"),
+            "unknown: its plan had no further step");
+}
+
+TEST_F(Executing, TellsOneOfTheStepsThatWereLeft) {
+  EXPECT_EQ(value_of("executions outcome=stop | last | instead_next"), R"(["navigate"])");
+  EXPECT_EQ(value_of("executions outcome=stop | last | instead_where"), R"(["table"])");
+  EXPECT_EQ(value_of("executions outcome=stop | last | instead_has=place"), "true");
+  EXPECT_EQ(value_of("executions outcome=stop | last | instead_has=look"), "false");
+}
+
+TEST_F(Executing, TellsHowLongAgoAndHowManyDifferentThings) {
+  EXPECT_EQ(value_of("executions skill=place | last | ago"), "44.0");
+  EXPECT_EQ(value_of("executions | how_many=thing"), "2");
+  EXPECT_EQ(value_of("executions outcome=failure thing=tea | none"), "true");
+  EXPECT_EQ(value_of("executions outcome=failure | none"), "false");
+  EXPECT_EQ(value_of("robot place=table at=08:00:20 | exists"), "true");
+  EXPECT_EQ(value_of("robot place=counter at=08:00:20 | exists"), "false");
+}
+
+TEST_F(Executing, GoesToWhatWasDoneBeside) {
+  EXPECT_EQ(value_of("executions skill=place | last | previous | which=skill"), R"(["navigate"])");
+  EXPECT_EQ(value_of("executions skill=place | last | next | which=thing"), R"(["tea"])");
+  EXPECT_EQ(value_of("executions | first | previous | when"),
+            "unknown: nothing was done before it");
+}
+
+TEST_F(Executing, SaysWhereThingsAre) {
+  EXPECT_EQ(value_of("things thing=salt | where"), R"(["table"])");
+  EXPECT_EQ(value_of("things thing=salt at=08:00:05 | where"), R"(["counter"])");
+  EXPECT_EQ(value_of("things thing=salt at=08:00:14 | where"), R"(["right hand"])");
+  EXPECT_EQ(value_of("things thing=salt at=08:00:14 | holder"), R"(["right"])");
+  EXPECT_EQ(value_of("things thing=salt | holder"), "unknown: nothing held it then");
+  EXPECT_EQ(value_of("things place=table | which=thing"), R"(["red cup","salt"])");
+  EXPECT_EQ(value_of("things held=yes at=08:00:14 | which=thing"), R"(["salt"])");
+  EXPECT_EQ(value_of("things thing=salt | is_visible"), "false");
+  EXPECT_EQ(value_of("things thing=salt | last_seen | when"), R"("2026-01-01 08:00:19.000000")");
+  EXPECT_EQ(value_of("things thing=tea | last_seen | where"), R"(["counter"])");
+  EXPECT_EQ(value_of("things thing=\"red cup\" | last_seen | where"),
+            "unknown: it was never in sight");
+  EXPECT_EQ(value_of("things during=today | which=thing"), R"(["salt","tea"])");
+  EXPECT_EQ(value_of("robot at=08:00:20 | where"), R"(["table"])");
+  EXPECT_EQ(value_of("robot at=07:00:00 | where"),
+            "unknown: the memory has no place of the robot then");
+}
+
+TEST_F(Executing, FromWhereThingsWereTaken) {
+  EXPECT_EQ(value_of("executions skill=pick thing=salt | last | from"), R"(["counter"])");
+  EXPECT_EQ(value_of("executions skill=navigate place=table | last | from"), R"(["counter"])");
+}
+
+TEST_F(Executing, Compares) {
+  EXPECT_EQ(value_of("executions skill=pick thing=salt | last | how_long | more_than=(executions "
+                     "skill=pick thing=tea | last | how_long)"),
+            "true");
+  EXPECT_EQ(value_of("executions skill=pick thing=salt | first | when | more_than=(executions "
+                     "skill=pick thing=tea | first | when)"),
+            "false");
+  EXPECT_EQ(value_of("executions skill=pick | count | equals=(executions skill=navigate | count)"),
+            "true");
+}
+
+TEST_F(Executing, KnowsWhatDidNotHappenOnlyWhereSomethingDid) {
+  EXPECT_EQ(value_of("executions skill=pick thing=\"red cup\" | exists"), "false");
+  EXPECT_EQ(value_of("executions skill=pick thing=\"red cup\" | count"), "0");
+  EXPECT_EQ(value_of("executions skill=pick thing=\"red cup\" | last | when"),
+            "unknown: the memory has none");
+  EXPECT_EQ(value_of("executions during=yesterday | exists"),
+            "unknown: the memory has no record of that time");
+}
+
+TEST_F(Executing, KnowsNothingOfWhatNothingIsCalled) {
+  EXPECT_EQ(value_of("executions thing=elephant | count"), "unknown: no thing is called elephant");
+  EXPECT_EQ(value_of("executions thing=oil | exists"), "unknown: none called oil was ever seen");
+  EXPECT_EQ(value_of("executions skill=dance | exists"), "unknown: no skill is called dance");
+  EXPECT_EQ(value_of("executions place=balcony | exists"), "unknown: no place is called balcony");
+  EXPECT_EQ(value_of("words speaker=Olga | exists"), "unknown: no person who spoke is called Olga");
+  EXPECT_EQ(value_of("executions after=(executions thing=elephant | last | when) | count"),
+            "unknown: no thing is called elephant");
+}
+
+TEST_F(Executing, SaysWhatItLookedFor) {
+  EXPECT_EQ(
+      outcome_of("executions skill=pick thing=elephant outcome=failure during=yesterday | count")
+          .looked_for,
+      "executions of pick of the elephant that failed (yesterday)");
+}
+
+}  // namespace
+}  // namespace engram::speech

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/program/period.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/ltm/expect_status.h"
+
+namespace engram::speech {
+namespace {
+
+/// A Thursday.
+const Time kNow = *parse_time("2026-01-08 10:20:30");
+
+std::string period_text(std::string_view text) {
+  const auto period = resolve_period(text, kNow, DayZone::kUtc);
+  if (!period.ok()) return period.status().message();
+  return to_string(period->from) + " " + to_string(period->to);
+}
+
+TEST(Period, OfDaysIsWhole) {
+  EXPECT_EQ(period_text("today"), "2026-01-08 00:00:00.000000 2026-01-08 23:59:59.999999999");
+  EXPECT_EQ(period_text("yesterday"), "2026-01-07 00:00:00.000000 2026-01-07 23:59:59.999999999");
+  EXPECT_EQ(period_text("3_days_ago"), "2026-01-05 00:00:00.000000 2026-01-05 23:59:59.999999999");
+  EXPECT_EQ(period_text("thursday"), period_text("today"));
+  EXPECT_EQ(period_text("friday"), "2026-01-02 00:00:00.000000 2026-01-02 23:59:59.999999999");
+  EXPECT_EQ(period_text("this_week"), "2026-01-05 00:00:00.000000 2026-01-11 23:59:59.999999999");
+  EXPECT_EQ(period_text("last_week"), "2025-12-29 00:00:00.000000 2026-01-04 23:59:59.999999999");
+  EXPECT_EQ(period_text("2026-01-02"), period_text("friday"));
+  EXPECT_EQ(period_text("yesterday/morning"),
+            "2026-01-07 00:00:00.000000 2026-01-07 11:59:59.999999999");
+}
+
+TEST(Period, OfClockTimesIsTheLastOneThatWas) {
+  EXPECT_EQ(period_text("08:05"), "2026-01-08 08:05:00.000000 2026-01-08 08:05:59.999999999");
+  EXPECT_EQ(period_text("8:05:12"), "2026-01-08 08:05:12.000000 2026-01-08 08:05:12.000000");
+  EXPECT_EQ(period_text("08:05:12.5"), "2026-01-08 08:05:12.500000 2026-01-08 08:05:12.500000");
+  EXPECT_EQ(period_text("22:00"), "2026-01-07 22:00:00.000000 2026-01-07 22:00:59.999999999");
+  EXPECT_EQ(period_text("2026-01-02/22:00:01"),
+            "2026-01-02 22:00:01.000000 2026-01-02 22:00:01.000000");
+  EXPECT_EQ(period_text("08:05..08:10"),
+            "2026-01-08 08:05:00.000000 2026-01-08 08:10:59.999999999");
+}
+
+TEST(Period, CountsFromNow) {
+  EXPECT_EQ(period_text("now"), "2026-01-08 10:20:30.000000 2026-01-08 10:20:30.000000");
+  EXPECT_EQ(period_text("now-10s"), "2026-01-08 10:20:20.000000 2026-01-08 10:20:20.000000");
+  EXPECT_EQ(period_text("last:10m"), "2026-01-08 10:10:30.000000 2026-01-08 10:20:30.000000");
+  EXPECT_EQ(period_text("2026-01-07T10:00:00Z"),
+            "2026-01-07 10:00:00.000000 2026-01-07 10:00:00.000000");
+}
+
+TEST(Period, IsNoneOfWhatIsNoTime) {
+  for (const char* text : {"", "soon", "25:00", "8:60", "now-", "now--5s", "last:", "2026-13-01",
+                           "-1_days_ago", "yesterday/late", "8:05:1", "8:05:12.x"}) {
+    SCOPED_TRACE(text);
+    EXPECT_FAILS(resolve_period(text, kNow, DayZone::kUtc), StatusCode::kInvalidArgument,
+                 "is no time");
+  }
+}
+
+TEST(Period, IsSpokenByTheDay) {
+  const auto spoken = [](const char* text) {
+    return spoken_time(*parse_time(text), kNow, DayZone::kUtc);
+  };
+  EXPECT_EQ(spoken("2026-01-08 08:05:12"), "at 08:05:12");
+  EXPECT_EQ(spoken("2026-01-07 08:05:12"), "yesterday at 08:05:12");
+  EXPECT_EQ(spoken("2026-01-01 08:05:12"), "on 2026-01-01 at 08:05:12");
+  EXPECT_EQ(spoken_duration(3.249), "3.2 seconds");
+  EXPECT_EQ(spoken_duration(1), "1 second");
+  EXPECT_EQ(spoken_duration(125), "2 minutes and 5 seconds");
+  EXPECT_EQ(spoken_duration(3600), "1 hour");
+}
+
+}  // namespace
+}  // namespace engram::speech
