@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/telling/tell_outcome.h"
+
+#include <map>
+
+#include "ltm/core/printable.h"
+#include "speech/telling/phrases.h"
+
+namespace engram::speech {
+
+namespace {
+
+/// Executions that are told one by one; of more only how often and how they ended.
+constexpr size_t kMaxTold = 5;
+
+std::string counted(size_t count, const char* word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
+}
+
+/// One teller per outcome; a method per kind of value.
+class OutcomeTeller {
+ public:
+  OutcomeTeller(const Outcome& outcome, const KnownFacts& facts, DayZone zone)
+      : outcome_(outcome), world_(facts.world()), zone_(zone) {}
+
+  std::string operator()(answers::Unknown) const {
+    std::string text = "I do not know";
+    if (!outcome_.missing.empty()) text += ": " + printable(outcome_.missing);
+    return text + ". I looked for " + outcome_.looked_for + ".";
+  }
+
+  std::string operator()(answers::YesNo answer) const {
+    const std::string word = answer.value ? "Yes" : "No";
+    if (!outcome_.steps.empty()) return fmt::format("{}. {}", word, told_steps());
+    if (outcome_.executions.empty() && outcome_.states.empty()) {
+      const bool is_search = outcome_.program.has_step(StepKind::kExists);
+      return is_search && !answer.value ? fmt::format("No. I remember no {}.", outcome_.looked_for)
+                                        : word + ".";
+    }
+    if (!outcome_.states.empty()) return fmt::format("{}. {}", word, told_state());
+    return fmt::format("{}. {}", word, told_executions());
+  }
+
+  std::string operator()(answers::Count answer) const {
+    const std::string times = answer.value == 1   ? "Once"
+                              : answer.value == 2 ? "Twice"
+                                                  : std::to_string(answer.value);
+    if (outcome_.executions.empty()) {
+      if (answer.value == 0) return fmt::format("None: I remember no {}.", outcome_.looked_for);
+      return fmt::format("{}.", answer.value);
+    }
+    return fmt::format("{}{}. {}", times, answer.value > 2 ? " times" : "", told_executions());
+  }
+
+  std::string operator()(answers::Moment answer) const {
+    const std::string when = spoken_time(answer.value, outcome_.now, zone_);
+    if (!outcome_.executions.empty())
+      return sentence(
+          fmt::format("{} {}", when, outcome_phrase(outcome_.executions.front(), world_)));
+    if (!outcome_.words.empty())
+      return sentence(fmt::format("{} {}", when, told_words(outcome_.words.front())));
+    if (!outcome_.states.empty())
+      return sentence(fmt::format("{} I saw {}", when, thing_of(outcome_.states.front())));
+    return sentence(when);
+  }
+
+  std::string operator()(answers::Span answer) const {
+    return sentence(spoken_span(answer.from, answer.to, outcome_.now, zone_));
+  }
+
+  std::string operator()(answers::Seconds answer) const {
+    if (outcome_.executions.size() != 1) return sentence(spoken_duration(answer.value));
+    return sentence(fmt::format("it took {} to {}", spoken_duration(answer.value),
+                                base_phrase(outcome_.executions.front(), world_)));
+  }
+
+  std::string operator()(answers::Metres answer) const {
+    return fmt::format("I drove {:.2f} m.", answer.value);
+  }
+
+  std::string operator()(const answers::Names& answer) const {
+    if (!outcome_.steps.empty()) return told_steps();
+    std::vector<std::string> names;
+    for (const std::string& name : answer.value) names.push_back(printable(name));
+    const ProgramStep* last =
+        outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
+    const bool is_person =
+        last != nullptr && (last->kind == StepKind::kWho || last->kind == StepKind::kWhoStopped);
+    if (!is_person && !outcome_.states.empty() && last != nullptr && last->kind == StepKind::kWhere)
+      return told_state();
+    if (is_person && !outcome_.words.empty()) return sentence(told_words(outcome_.words.back()));
+    const std::string what = last != nullptr && last->argument ? last->argument->text : "";
+    if (what == "hand" || (last != nullptr && last->kind == StepKind::kHolder))
+      return sentence(fmt::format("my {} hand", joined(names)));
+    if (what == "skill") return sentence(joined(names));
+    for (std::string& name : names) name = with_article(name);
+    const bool is_place = last != nullptr && (last->kind == StepKind::kWhere ||
+                                              last->kind == StepKind::kFrom || what == "place");
+    if (outcome_.program.source == ProgramSource::kRobot)
+      return sentence("I was at " + joined(names));
+    return sentence((is_place ? "at " : "") + joined(names));
+  }
+
+  std::string operator()(const answers::Events& /*answer*/) const { return told_executions(); }
+
+  std::string operator()(const answers::Reason& answer) const {
+    const ProgramStep* last =
+        outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
+    if (last != nullptr && last->kind == StepKind::kSaid) {
+      std::string text;
+      for (const SpokenWords& words : outcome_.words)
+        text += (text.empty() ? "" : " ") + sentence(told_words(words));
+      return text.substr(0, kMaxText);
+    }
+    if (outcome_.words.empty() || (last != nullptr && last->kind == StepKind::kReason))
+      return sentence("because " + printable(answer.value)).substr(0, kMaxText);
+    std::vector<std::string> said;
+    for (const SpokenWords& words : outcome_.words) said.push_back(told_words(words));
+    return sentence("because " + joined(said)).substr(0, kMaxText);
+  }
+
+ private:
+  static constexpr size_t kMaxText = 2000;
+
+  [[nodiscard]] std::string thing_of(const ThingState& state) const {
+    return "the " + printable(world_.spoken(state.id.entity()));
+  }
+
+  static std::string told_words(const SpokenWords& words) {
+    return fmt::format("{} said: \"{}\"",
+                       words.speaker.empty() ? "somebody" : printable(words.speaker),
+                       printable(words.text));
+  }
+
+  /// Where the first thing was, and when that was seen.
+  [[nodiscard]] std::string told_state() const {
+    const ThingState& state = outcome_.states.front();
+    const std::string when = spoken_time(state.time, outcome_.now, zone_);
+    const KnownPlace* place =
+        state.spot && state.held_by.empty() ? world_.under(*state.spot) : nullptr;
+    std::string where = "was there";
+    if (!state.held_by.empty()) where = fmt::format("was in my {} hand", printable(state.held_by));
+    if (place != nullptr) where = fmt::format("was on the {}", printable(place->spoken));
+    return sentence(fmt::format("{} {} {}", when, thing_of(state), where));
+  }
+
+  [[nodiscard]] std::string told_steps() const {
+    std::vector<std::string> steps;
+    for (const PlannedStep& step : outcome_.steps) steps.push_back(base_phrase(step, world_));
+    return sentence("by my plan I would have gone on to " + joined(steps));
+  }
+
+  [[nodiscard]] std::string told_executions() const {
+    std::string text;
+    if (outcome_.executions.size() <= kMaxTold) {
+      for (const Execution& execution : outcome_.executions)
+        text += (text.empty() ? "" : " ") +
+                sentence(fmt::format("{} {}", spoken_time(execution.started, outcome_.now, zone_),
+                                     outcome_phrase(execution, world_)));
+      return text;
+    }
+    std::map<ltm::ActionOutcome, size_t> outcomes;
+    std::map<std::string, size_t> phrases;
+    for (const Execution& execution : outcome_.executions) {
+      ++outcomes[execution.outcome];
+      Execution without_details;
+      without_details.skill = execution.skill;
+      without_details.thing = execution.thing;
+      ++phrases[past_phrase(without_details, world_)];
+    }
+    std::vector<std::string> parts;
+    for (const auto& [phrase, count] : phrases) {
+      if (parts.size() == 2 * kMaxTold) break;
+      parts.push_back(count == 1 ? phrase : fmt::format("{} ({} times)", phrase, count));
+    }
+    if (parts.size() < phrases.size())
+      parts.push_back(counted(phrases.size() - parts.size(), "other thing"));
+    const Execution& first = outcome_.executions.front();
+    const Execution& last = outcome_.executions.back();
+    text = fmt::format("{} I carried out {}: I {}. {} succeeded",
+                       spoken_span(first.started, last.started, outcome_.now, zone_),
+                       counted(outcome_.executions.size(), "action"), joined(parts),
+                       outcomes[ltm::ActionOutcome::kSuccess]);
+    if (const size_t failed = outcomes[ltm::ActionOutcome::kFailure]; failed > 0)
+      text += fmt::format(", {} failed", failed);
+    if (const size_t stopped = outcomes[ltm::ActionOutcome::kStop]; stopped > 0)
+      text += fmt::format(", {} {} stopped", stopped, stopped == 1 ? "was" : "were");
+    return sentence(std::move(text));
+  }
+
+  const Outcome& outcome_;
+  const KnownWorld& world_;
+  const DayZone zone_;
+};
+
+}  // namespace
+
+std::string tell(const Outcome& outcome, const KnownFacts& facts, DayZone zone) {
+  return std::visit(OutcomeTeller(outcome, facts, zone), outcome.value);
+}
+
+}  // namespace engram::speech

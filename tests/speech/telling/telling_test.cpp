@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "speech/program/execute.h"
+#include "speech/telling/tell_outcome.h"
+#include "speech/telling/tell_period.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/speech/remembered_kitchen.h"
+
+namespace engram::speech {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using testing::RememberedKitchen;
+using testing::second;
+using ::testing::SizeIs;
+
+class Telling : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    kitchen_.live_one_minute();
+    auto facts = KnownFacts::read(kitchen_.memory());
+    ASSERT_OK(facts);
+    facts_ = *std::move(facts);
+  }
+
+  std::string told(const std::string& text) {
+    const auto program = Program::parse(text);
+    EXPECT_OK(program);
+    const auto outcome = execute(*program, *facts_, second(60), DayZone::kUtc);
+    EXPECT_OK(outcome);
+    return tell(*outcome, *facts_, DayZone::kUtc);
+  }
+
+  RememberedKitchen kitchen_;
+  std::unique_ptr<KnownFacts> facts_;
+};
+
+TEST_F(Telling, SaysWhatWasDoneAndHowItEnded) {
+  EXPECT_EQ(told("executions skill=pick | first | events"),
+            "At 08:00:04 I tried to pick up the salt from the counter with my right hand, but "
+            "failed: the hand closed 0.070 m away from its grasp.");
+  EXPECT_EQ(told("executions skill=place | last | when"),
+            "At 08:00:16 I placed the salt on the table with my right hand.");
+  EXPECT_THAT(told("executions | events"),
+              HasSubstr("I carried out 9 actions: I drove for the salt (2 times), drove for the "
+                        "tea, looked for the salt, looked for the tea, picked up the salt (2 "
+                        "times), picked up the tea and placed the salt. 7 succeeded, 1 failed, 1 "
+                        "was stopped."));
+}
+
+TEST_F(Telling, SaysEachKindOfValue) {
+  EXPECT_EQ(told("executions skill=place | last | how_long"),
+            "It took 3 seconds to place the salt on the table with my right hand.");
+  EXPECT_EQ(told("things thing=salt | where"), "At 08:01:00 the salt was on the table.");
+  EXPECT_EQ(told("things place=table | which=thing"), "The red cup and the salt.");
+  EXPECT_EQ(told("executions skill=place | last | which=hand"), "My right hand.");
+  EXPECT_EQ(told("robot at=08:00:20 | where"), "I was at the table.");
+  EXPECT_EQ(told("executions skill=navigate place=table | last | why"),
+            "Because Ada said: \"I need the salt on the table.\".");
+  EXPECT_EQ(told("executions outcome=stop | last | instead"),
+            "By my plan I would have gone on to drive to the table for the tea and place the tea "
+            "on the table.");
+  EXPECT_THAT(told("executions skill=pick thing=salt | count"), HasSubstr("Twice. At 08:00:04 I"));
+  EXPECT_EQ(told("executions skill=pick thing=\"red cup\" | exists"),
+            "No. I remember no executions of pick of the red cup.");
+}
+
+TEST_F(Telling, SaysWhatItDoesNotKnow) {
+  EXPECT_EQ(told("executions thing=elephant | count"),
+            "I do not know: no thing is called elephant. I looked for executions of the elephant.");
+}
+
+TEST_F(Telling, TellsATimeByPlansWithWhatFailed) {
+  const auto narration = tell_period(*facts_, {second(0), second(60)}, second(60), DayZone::kUtc);
+  ASSERT_OK(narration);
+  std::string text;
+  for (const NarrationSentence& one : *narration) {
+    text += std::string(name_of(one.level)) + ": " + one.text + "\n";
+    EXPECT_THAT(one.links, Not(IsEmpty())) << one.text;
+    for (const ltm::MemoryId& id : one.links) EXPECT_OK(facts_->value_at(id));
+  }
+  EXPECT_EQ(text,
+            "whole: From 08:00:01 to 08:00:36 I carried out 9 actions for 2 tasks; 1 failed "
+            "and 1 was stopped.\n"
+            "plan: At 08:00:01 Ada said: \"I need the salt on the table.\" So I looked for the "
+            "salt, drove to the counter for the salt, picked up the salt from the counter, drove "
+            "to the table for the salt and placed the salt on the table.\n"
+            "failure: At 08:00:04 I tried to pick up the salt from the counter with my right hand, "
+            "but failed: the hand closed 0.070 m away from its grasp.\n"
+            "plan: At 08:00:30 Ben said: \"Please bring the tea to the table.\" So I looked for "
+            "the tea and drove to the counter for the tea.\n"
+            "failure: At 08:00:34 I began to pick up the tea from the counter with my left hand, "
+            "but was stopped: told to stop (Ben said: \"Stop!\").\n");
+}
+
+TEST_F(Telling, KeepsToTheNumberOfSentences) {
+  for (int day = 1; day < 12; ++day) kitchen_.live_one_minute(day);
+  ASSERT_OK(facts_->refresh());
+  for (const size_t max : {1u, 2u, 3u, 5u, 10u}) {
+    const auto narration =
+        tell_period(*facts_, {Time::min(), Time::max()}, second(60, 12), DayZone::kUtc, max);
+    ASSERT_OK(narration);
+    EXPECT_THAT(*narration, SizeIs(max));
+  }
+  const auto nothing =
+      tell_period(*facts_, {second(0, 20), second(0, 21)}, second(0, 21), DayZone::kUtc);
+  ASSERT_OK(nothing);
+  EXPECT_THAT(*nothing, IsEmpty());
+}
+
+}  // namespace
+}  // namespace engram::speech
