@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/asker.h"
+
+#include "speech/language/grammar.h"
+#include "speech/program/execute.h"
+#include "speech/telling/tell_outcome.h"
+
+namespace engram::speech {
+
+namespace {
+
+/// A question as an answer repeats it: what is far too long is cut off.
+std::string shown_question(std::string_view question) {
+  constexpr size_t kMaxShown = 500;
+  std::string shown(question.substr(0, kMaxShown));
+  // A cut inside a character would be no text.
+  while (question.size() > kMaxShown && !shown.empty() &&
+         (static_cast<unsigned char>(shown.back()) & 0xC0) == 0x80)
+    shown.pop_back();
+  if (question.size() > kMaxShown && !shown.empty() &&
+      static_cast<unsigned char>(shown.back()) >= 0x80)
+    shown.pop_back();
+  return question.size() > kMaxShown ? shown + "..." : shown;
+}
+
+}  // namespace
+
+nlohmann::ordered_json Answer::to_json() const {
+  nlohmann::ordered_json json{
+      {"question", question}, {"text", text}, {"route", route}, {"confidence", confidence}};
+  json["program"] = program ? nlohmann::ordered_json(program->to_string()) : nullptr;
+  json["value"] = speech::to_json(value);
+  json["evidence"] = nlohmann::ordered_json::array();
+  for (const Evidence& one : evidence)
+    json["evidence"].push_back({{"id", one.id.to_string()}, {"role", one.role}});
+  json["looked_for"] = looked_for;
+  json["took_ms"] = took_ms;
+  return json;
+}
+
+Asker::Asker(std::unique_ptr<KnownFacts> facts, const Options& options)
+    : facts_(std::move(facts)),
+      options_(options),
+      tagger_(make_word_tagger()),
+      lexicon_(std::make_unique<Lexicon>(*facts_)) {}
+
+Result<std::unique_ptr<Asker>> Asker::create(Memory& memory, const Options& options) {
+  ENGRAM_ASSIGN_OR_RETURN(std::unique_ptr<KnownFacts> facts, KnownFacts::read(memory));
+  return std::unique_ptr<Asker>(new Asker(std::move(facts), options));
+}
+
+Status Asker::refresh() {
+  ENGRAM_RETURN_IF_ERROR(facts_->refresh());
+  lexicon_ = std::make_unique<Lexicon>(*facts_);
+  return {};
+}
+
+Result<Answer> Asker::ask(std::string_view question, Time now) {
+  const SteadyTime began = steady_now();
+  ParsedQuestion parsed = parse_question(question, *lexicon_, *tagger_, now, options_.zone);
+  Answer answer;
+  if (parsed.program) {
+    ENGRAM_ASSIGN_OR_RETURN(answer, ask_program(*parsed.program, now));
+  } else {
+    answer.text = std::move(parsed.refusal);
+    answer.route = "none";
+    answer.looked_for = "a question that I can read";
+  }
+  answer.question = shown_question(question);
+  answer.confidence = parsed.confidence;
+  answer.took_ms = to_seconds(steady_now() - began) * 1e3;
+  return answer;
+}
+
+Result<Answer> Asker::ask_program(const Program& program, Time now) {
+  const SteadyTime began = steady_now();
+  ENGRAM_ASSIGN_OR_RETURN(Outcome outcome, execute(program, *facts_, now, options_.zone));
+  Answer answer;
+  answer.question = program.to_string();
+  answer.text = tell(outcome, *facts_, options_.zone);
+  answer.route = "program";
+  answer.confidence = 1;
+  answer.program = program;
+  answer.value = std::move(outcome.value);
+  answer.evidence = std::move(outcome.evidence);
+  answer.looked_for = outcome.looked_for;
+  if (is_unknown(answer.value) && !outcome.missing.empty())
+    answer.looked_for += ": " + outcome.missing;
+  answer.took_ms = to_seconds(steady_now() - began) * 1e3;
+  return answer;
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "speech/facts/known_facts.h"
+#include "speech/language/lexicon.h"
+#include "speech/language/tagger.h"
+#include "speech/program/outcome.h"
+#include "speech/program/period.h"
+
+namespace engram::speech {
+
+/// An answer with what it rests on.
+struct Answer {
+  std::string question;
+  std::string text;
+  std::string route;  ///< "program"; "none" where the question could not be read.
+  double confidence = 0;
+  std::optional<Program> program;
+  AnswerValue value = answers::Unknown{};
+  std::vector<Evidence> evidence;
+  std::string looked_for;
+  double took_ms = 0;
+
+  /// {"question", "text", "route", "confidence", "program", "value", "evidence", "looked_for",
+  /// "took_ms"}.
+  [[nodiscard]] nlohmann::ordered_json to_json() const;
+};
+
+/// Answers questions in English from a memory.
+///
+/// Owns: nothing of the memory, which must outlive it.
+/// Threading: one thread.
+/// Source: docs/verbalisation.md.
+class Asker {
+ public:
+  struct Options {
+    /// By which clock days and clock times are meant.
+    DayZone zone = DayZone::kUtc;
+  };
+
+  /// Reads what the memory has now.
+  /// Errors: those of KnownFacts::read().
+  static Result<std::unique_ptr<Asker>> create(Memory& memory, const Options& options);
+
+  /// Takes up what the memory was told since.
+  Status refresh();
+
+  /// Answers a question as of `now`. What it does not understand, and what the memory does not
+  /// know, is no error but an answer that says so.
+  /// Errors: those of Memory::query.
+  Result<Answer> ask(std::string_view question, Time now);
+  /// Answers what is a program already.
+  /// Errors: kInvalidArgument where it does not validate; those of Memory::query.
+  Result<Answer> ask_program(const Program& program, Time now);
+
+  [[nodiscard]] KnownFacts& facts() { return *facts_; }
+  [[nodiscard]] DayZone zone() const { return options_.zone; }
+
+ private:
+  Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
+
+  std::unique_ptr<KnownFacts> facts_;
+  Options options_;
+  std::unique_ptr<Tagger> tagger_;
+  std::unique_ptr<Lexicon> lexicon_;
+};
+
+}  // namespace engram::speech

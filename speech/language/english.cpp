@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/english.h"
+
+#include <algorithm>
+#include <array>
+
+#include "speech/program/skill_verbs.h"
+
+namespace engram::speech {
+
+namespace {
+
+constexpr std::string_view kGrammarLemmas =
+    "where when who whom whose why how which what whichever whether if unless "
+    "do happen occur see notice observe perceive view visible sight hold carry grip keep have be "
+    "ask tell say speak talk request order command want instruct call demand shout utter mention "
+    "fail succeed manage accomplish achieve work error mistake problem trouble issue wrong "
+    "difficulty mishap mess miss lose slip fall unable able could not never no nobody nothing none "
+    "stop interrupt halt abort cancel pause break prevent hinder block disturb "
+    "retry again try attempt twice second third fourth fifth first last latest final recent "
+    "initial earliest previous next once would hand arm gripper fist side use long longer shorter "
+    "far distance often many much more less fewer than time duration second minute metre meter "
+    "take need last require spend finish end complete start begin everything anything something "
+    "anybody anyone somebody someone everyone everybody all any some thing object item stuff "
+    "it them that this those these he she they there here one before after while during right "
+    "directly immediately just then now stand robot you yourself task job plan step action "
+    "activity order from to into onto on in at off with without under of by for down up over "
+    "out back near beside next and or touch handle manipulate move bring transport shift relocate "
+    "location position whereabouts place reason cause purpose instead otherwise else go wrong "
+    "count number total different distinct person human people summary summarize summarise "
+    "describe report "
+    "narrate recap list remember recall day left leave look search find pick put grasp grab drive "
+    "navigate smoothly fine well okay ok good plan intend intention next remain rest busy occupied "
+    "about tell story longest shortest quickest slowest fastest compare same both either still "
+    "already yet away word sentence instruction person come travel arrive reach stay located sit "
+    "lie lay possess current empty full free attempt try change";
+
+constexpr std::string_view kFillers =
+    "a an the my your our his her their its i me we us mine yours ours please kindly thanks thank "
+    "hello hi hey "
+    "dear sorry excuse okay so well ah oh um uh hmm actually really exactly precisely "
+    "currently possibly maybe perhaps probably ever even also too very quite rather bit little "
+    "only earlier later lately recently previously originally eventually finally meanwhile "
+    "moment while ago today yesterday kitchen room house home buddy robot friend mate sir madam "
+    "know knew remember recall think guess suppose believe wonder curious interested interest "
+    "question "
+    "answer info information detail details memory log record records history question "
+    "as but because though although since than is are was were am be been being do does did done "
+    "have has had can could will would shall should may might must let get got "
+    "such kind sort type way case point fact part over course certain sure clear clearly quickly "
+    "slowly carefully successfully properly correctly actual exact certain particular specific "
+    "respectively altogether overall together apart alone along around round across away "
+    "everything guy guys folks want wanted need needed wish help quick short brief briefly "
+    "give show explain tell say let make made sure double check see check "
+    "today's day days hour hours minute minutes seconds second time times session shift run "
+    "recording episode same other another each every own whole entire lot lots few several couple "
+    "new old big small nice great good bad right wrong left early late long ok fine cool alright "
+    "yes no not n't nope yeah yep do you your self itself itself myself there here what's up "
+    "any chance happen happened possible would could mind minding afterwards afterward beforehand "
+    "thereafter onwards physically personally somehow somewhere anywhere everywhere sometime "
+    "sometimes always usually normally apparently supposedly allegedly anyway anyhow "
+    "looking trying going supposed meant able asking hear heard learn learned learnt find "
+    "remind reminded mean means meant most least much many enough almost nearly approximately "
+    "s t ll ve re d m o clock hm er eh again instead inside outside within upon via per "
+    "mr mrs ms miss dr anymore longer whatever whenever wherever everybody anybody "
+    "today tonight morning afternoon evening night week month year recent past present "
+    "previous current hold on wait listen look back "
+    "january february march april may june july august september october november december "
+    "monday tuesday wednesday thursday friday saturday sunday noon midnight between until till "
+    "pm tomorrow sudden suddenly pls plz";
+
+const std::set<std::string>& words_of_list(std::string_view list, std::set<std::string>& words) {
+  while (!list.empty()) {
+    const size_t end = std::min(list.find(' '), list.size());
+    if (end > 0) words.emplace(list.substr(0, end));
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return words;
+}
+
+const std::set<std::string>& grammar_lemmas() {
+  static const std::set<std::string> kWords = [] {
+    std::set<std::string> words;
+    words_of_list(kGrammarLemmas, words);
+    for (const SkillVerb& verb : skill_verbs()) words_of_list(verb.lemmas, words);
+    return words;
+  }();
+  return kWords;
+}
+
+const std::set<std::string>& fillers() {
+  static const std::set<std::string> kWords = [] {
+    std::set<std::string> words;
+    return words_of_list(kFillers, words);
+  }();
+  return kWords;
+}
+
+/// A sequence of words, and the one that stands for it.
+struct Phrase {
+  std::string_view words;
+  std::string_view by;
+};
+
+/// The first that fits is taken, so longer ones stand first.
+constexpr std::array<Phrase, 68> kPhrases{{
+    {"all of a sudden", "suddenly"},
+    {"been up to", "been doing"},
+    {"get up to", "do"},
+    {"got up to", "did"},
+    {"most recently", "last"},
+    {"the most recent", "the last"},
+    {"for what reason", "why"},
+    {"for which reason", "why"},
+    {"what is the reason for", "why"},
+    {"what is the reason", "why"},
+    {"what was the reason for", "why"},
+    {"what was the reason", "why"},
+    {"what were the reasons", "why"},
+    {"what is the reason behind", "why"},
+    {"what was the cause of", "why"},
+    {"the reason why", "why"},
+    {"the reason for", "why"},
+    {"the reason", "why"},
+    {"what caused you to", "why"},
+    {"what caused", "why"},
+    {"what made you", "why did you"},
+    {"what made", "why"},
+    {"what led you to", "why did you"},
+    {"how come", "why"},
+    {"what for", "why"},
+    {"to what end", "why"},
+    {"what was it that stopped", "why stop"},
+    {"what stopped", "why stop"},
+    {"what interrupted", "why stop"},
+    {"what kept you from", "why fail"},
+    {"what prevented you from", "why fail"},
+    {"at what time", "when"},
+    {"at which time", "when"},
+    {"what time", "when"},
+    {"what was the time", "when"},
+    {"at what point", "when"},
+    {"at which point", "when"},
+    {"what moment", "when"},
+    {"which moment", "when"},
+    {"how many times", "how_often"},
+    {"how many time", "how_often"},
+    {"how often", "how_often"},
+    {"the number of times", "how_often"},
+    {"number of times", "how_often"},
+    {"the number of", "how many"},
+    {"how many seconds ago", "how_ago"},
+    {"how many minutes ago", "how_ago"},
+    {"how long ago", "how_ago"},
+    {"how much time ago", "how_ago"},
+    {"how much time", "how_long"},
+    {"how many seconds", "how_long"},
+    {"how many minutes", "how_long"},
+    {"for how long", "how_long"},
+    {"how long", "how_long"},
+    {"how fast", "how_long"},
+    {"how quickly", "how_long"},
+    {"how many metres", "how_far"},
+    {"how many meters", "how_far"},
+    {"how much distance", "how_far"},
+    {"what distance", "how_far"},
+    {"which distance", "how_far"},
+    {"how far", "how_far"},
+    {"how large a distance", "how_far"},
+    {"in which place", "where"},
+    {"at which place", "where"},
+    {"what place", "where"},
+    {"which place", "where"},
+    {"whereabouts", "where"},
+}};
+
+/// Roundabout beginnings. What ends with '?' makes a question of what follows.
+constexpr std::array<std::string_view, 60> kPoliteBeginnings{"could you please tell me",
+                                                             "can you please tell me",
+                                                             "would you please tell me",
+                                                             "could you kindly tell me",
+                                                             "could you tell me please",
+                                                             "can you tell me please",
+                                                             "would you mind telling me",
+                                                             "do you happen to know",
+                                                             "do you happen to remember",
+                                                             "could you tell me",
+                                                             "can you tell me",
+                                                             "would you tell me",
+                                                             "will you tell me",
+                                                             "could you tell us",
+                                                             "can you tell us",
+                                                             "could you say",
+                                                             "can you say",
+                                                             "can you explain",
+                                                             "could you explain",
+                                                             "can you remember",
+                                                             "could you remember",
+                                                             "can you recall",
+                                                             "could you recall",
+                                                             "can you remind me",
+                                                             "could you remind me",
+                                                             "please remind me",
+                                                             "remind me",
+                                                             "do you remember",
+                                                             "do you recall",
+                                                             "do you know",
+                                                             "do you still know",
+                                                             "do you still remember",
+                                                             "i would like to know",
+                                                             "i did like to know",
+                                                             "i want to know",
+                                                             "i wanted to know",
+                                                             "i need to know",
+                                                             "i should like to know",
+                                                             "i wonder",
+                                                             "i am wondering",
+                                                             "i was wondering",
+                                                             "i am curious",
+                                                             "i am interested in",
+                                                             "please tell me",
+                                                             "pls tell me",
+                                                             "tell me please",
+                                                             "please let me know",
+                                                             "let me know",
+                                                             "please say",
+                                                             "please explain",
+                                                             "explain to me",
+                                                             "explain",
+                                                             "tell me again",
+                                                             "tell me",
+                                                             "tell us",
+                                                             "show me",
+                                                             "any idea",
+                                                             "say",
+                                                             "may i ask",
+                                                             "can i ask"};
+
+std::vector<std::string_view> parts_of_phrase(std::string_view phrase) {
+  std::vector<std::string_view> parts;
+  while (!phrase.empty()) {
+    const size_t end = std::min(phrase.find(' '), phrase.size());
+    parts.push_back(phrase.substr(0, end));
+    phrase.remove_prefix(std::min(end + 1, phrase.size()));
+  }
+  return parts;
+}
+
+bool is_phrase_at(const std::vector<QuestionWord>& words, size_t at,
+                  const std::vector<std::string_view>& phrase) {
+  if (at + phrase.size() > words.size()) return false;
+  for (size_t i = 0; i < phrase.size(); ++i)
+    if (words[at + i].text != phrase[i]) return false;
+  return true;
+}
+
+}  // namespace
+
+bool is_grammar_lemma(const std::string& lemma) {
+  return grammar_lemmas().contains(lemma);
+}
+
+bool is_filler(const std::string& word) {
+  return fillers().contains(word) || (word.size() > 4 && word.ends_with("ly"));
+}
+
+const std::set<std::string>& english_spellings() {
+  static const std::set<std::string> kSpellings = [] {
+    std::set<std::string> spellings;
+    const auto add = [&](const std::string& word) {
+      spellings.insert(word);
+      for (const char* ending : {"s", "ed", "ing", "d"}) spellings.insert(word + ending);
+      if (word.back() == 'e') spellings.insert(word.substr(0, word.size() - 1) + "ing");
+      if (word.back() == 'p' || word.back() == 'b' || word.back() == 't')
+        for (const char* ending : {"ed", "ing"}) spellings.insert(word + word.back() + ending);
+    };
+    for (const std::string& word : grammar_lemmas()) add(word);
+    for (const std::string& word : fillers()) spellings.insert(word);
+    for (const char* word : {"yesterday", "between", "seconds", "minutes", "driven", "drove",
+                             "taken", "brought", "happened", "carried", "placed", "visible"})
+      spellings.insert(word);
+    return spellings;
+  }();
+  return kSpellings;
+}
+
+bool take_politeness(std::vector<QuestionWord>& words) {
+  bool is_taken = false;
+  // Several may follow each other: "Hello robot, do you remember, could you tell me ...".
+  for (size_t at = 0; at < std::min<size_t>(words.size(), 12);) {
+    bool is_here = false;
+    // Only what nothing but a greeting precedes is a beginning.
+    if (at > 0 && !is_filler(words[at - 1].text)) break;
+    for (const std::string_view beginning : kPoliteBeginnings) {
+      const auto phrase = parts_of_phrase(beginning);
+      if (!is_phrase_at(words, at, phrase) || words.size() == at + phrase.size()) continue;
+      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
+                  words.begin() + static_cast<ptrdiff_t>(at + phrase.size()));
+      if (at < words.size()) words[at].begins_sentence = true;
+      is_here = is_taken = true;
+      break;
+    }
+    if (!is_here) ++at;
+  }
+  return is_taken;
+}
+
+void replace_phrases(std::vector<QuestionWord>& words) {
+  for (size_t at = 0; at < words.size(); ++at)
+    for (const Phrase& phrase : kPhrases) {
+      const auto parts = parts_of_phrase(phrase.words);
+      if (!is_phrase_at(words, at, parts)) continue;
+      const QuestionWord first = words[at];
+      const bool ends = words[at + parts.size() - 1].ends_clause;
+      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
+                  words.begin() + static_cast<ptrdiff_t>(at + parts.size()));
+      const auto by = parts_of_phrase(phrase.by);
+      for (size_t i = 0; i < by.size(); ++i)
+        words.insert(words.begin() + static_cast<ptrdiff_t>(at + i),
+                     QuestionWord{std::string(by[i]), first.given, i == 0 && first.begins_sentence,
+                                  false, ends && i + 1 == by.size()});
+      break;
+    }
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar.h"
+
+#include <algorithm>
+
+#include "speech/language/english.h"
+#include "speech/language/grammar_rules.h"
+
+namespace engram::speech {
+
+namespace {
+
+/// Words that are passed over without being understood; more of them, and something else is meant.
+constexpr size_t kMaxPassedOver = 4;
+constexpr double kConfidence = 0.95;
+constexpr double kPerPassedOver = 0.1;
+constexpr double kPerCorrection = 0.05;
+
+bool is_among_words(const std::string& word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+ParsedQuestion refused(std::string why) {
+  return {{}, std::move(why), 0};
+}
+
+/// A name that nothing has, and what of the question it would be.
+struct StrangeName {
+  std::string words;
+  FilterKey key{};
+};
+
+bool is_article(const std::string& word) {
+  return is_among_words(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any",
+                               "some", "this", "that", "these", "those", "another"});
+}
+
+bool is_for_place(const std::string& word) {
+  return is_among_words(word, {"in", "on", "at", "to", "into", "onto", "from", "near", "inside",
+                               "beside", "behind", "under", "towards", "toward"});
+}
+
+/// Words of the robot, after which an unknown word is what it did.
+bool is_before_verb(const std::string& word) {
+  return is_among_words(word, {"you", "to", "robot", "ever", "not"});
+}
+
+/// The name that an unknown word is part of: it, and the unknown words and things beside it.
+std::string whole_name(const std::vector<TaggedWord>& words, size_t& at) {
+  size_t begin = at;
+  while (begin > 0 &&
+         (words[begin - 1].tag == WordTag::kUnknown || words[begin - 1].tag == WordTag::kThing) &&
+         !words[begin - 1].ends_clause)
+    --begin;
+  size_t end = at + 1;
+  while (end < words.size() && !words[end - 1].ends_clause &&
+         (words[end].tag == WordTag::kUnknown || words[end].tag == WordTag::kThing))
+    ++end;
+  std::string name;
+  for (size_t i = begin; i < end; ++i) name += (name.empty() ? "" : " ") + words[i].text;
+  at = end - 1;
+  return name;
+}
+
+/// The word before a name, articles and what describes it passed over.
+const TaggedWord* before_name(const std::vector<TaggedWord>& words, size_t at) {
+  while (at > 0) {
+    const TaggedWord& word = words[--at];
+    if (word.tag == WordTag::kUnknown || word.tag == WordTag::kThing || is_article(word.text) ||
+        is_among_words(word.text, {"small", "big", "old", "new", "little", "good", "up", "down",
+                                   "for", "at", "of", "over", "out"}))
+      continue;
+    return &word;
+  }
+  return nullptr;
+}
+
+bool takes_object(const TaggedWord& word) {
+  return word.tag == WordTag::kVerb || word.tag == WordTag::kSkill ||
+         is_among_words(word.lemma, {"see", "hold", "carry", "notice", "observe", "touch", "bring",
+                                     "find", "spot", "handle", "move", "perceive", "manipulate"});
+}
+
+/// What an unknown word would be: a name that nothing has, or a word to pass over.
+std::optional<StrangeName> strange_name(const std::vector<TaggedWord>& words, size_t& at) {
+  const size_t first = at;
+  const TaggedWord& word = words[at];
+  const std::string before = at > 0 ? words[at - 1].text : "";
+  const bool has_thing_beside =
+      (at > 0 && words[at - 1].tag == WordTag::kThing && !words[at - 1].ends_clause) ||
+      (at + 1 < words.size() && words[at + 1].tag == WordTag::kThing && !word.ends_clause);
+  if (word.is_capital && !word.begins_sentence) {
+    const TaggedWord* verb = before_name(words, at);
+    if (verb == nullptr || !takes_object(*verb)) {
+      std::string name = whole_name(words, at);
+      return StrangeName{std::move(name), FilterKey::kSpeaker};
+    }
+  }
+  if (is_article(before) || has_thing_beside) {
+    size_t begin = at;
+    while (begin > 0 &&
+           (is_article(words[begin - 1].text) || words[begin - 1].tag == WordTag::kUnknown ||
+            words[begin - 1].tag == WordTag::kThing))
+      --begin;
+    const std::string leads = begin > 0 ? words[begin - 1].text : "";
+    std::string name = whole_name(words, at);
+    const bool is_place = is_for_place(leads) && name.find(' ') == std::string::npos;
+    return StrangeName{std::move(name), is_place ? FilterKey::kPlace : FilterKey::kThing};
+  }
+  if (is_for_place(before)) return StrangeName{whole_name(words, at), FilterKey::kPlace};
+  if (is_before_verb(before) || (at == 1 && is_among_words(before, {"did", "do", "have"})))
+    return StrangeName{lemma_of(word.text), FilterKey::kSkill};
+  const TaggedWord* leads = before_name(words, first);
+  if (leads != nullptr && takes_object(*leads) && leads->text != "looked")
+    return StrangeName{whole_name(words, at), FilterKey::kThing};
+  if (is_among_words(before, {"what", "which", "whose"}) || before == "with" || before == "of")
+    return StrangeName{whole_name(words, at), FilterKey::kThing};
+  return {};
+}
+
+/// A program that asks for what is not there, so that its execution says that it is not.
+Program program_of(const StrangeName& strange) {
+  Program program{
+      strange.key == FilterKey::kSpeaker ? ProgramSource::kWords : ProgramSource::kExecutions,
+      {},
+      {}};
+  std::string name = strange.words;
+  std::replace(name.begin(), name.end(), ',', ' ');
+  program.with(strange.key, std::move(name));
+  return program.then(StepKind::kExists);
+}
+
+bool asks_for_future(const QuestionParts& parts) {
+  const ClauseParts& main = parts.main;
+  if (parts.times.is_future) return true;
+  if (main.has_any({"will", "shall", "should"})) return true;
+  return main.has_words({"going", "to"}) && (main.has("you") || main.has("robot")) &&
+         !main.has("was") && !main.has("were");
+}
+
+/// "Could you bring me the salt?", "Bring me the salt."
+bool is_request(const QuestionParts& parts) {
+  const ClauseParts& main = parts.main;
+  if (parts.asks == Asks::kWhether && main.has_any({"can", "could", "would"}) &&
+      main.has_any({"you", "robot"}) && !main.has_any({"see", "have", "visible", "hold"}))
+    return true;
+  if (parts.asks != Asks::kNothing || main.words.empty()) return false;
+  const TaggedWord& first = main.words.front();
+  const bool is_base = first.text == first.lemma;
+  return (first.tag == WordTag::kVerb && is_base && !main.has("you")) ||
+         is_among_words(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});
+}
+
+constexpr const char* kCannotRead =
+    "I am sorry, I do not understand the question. I can tell what I did, saw and was told, "
+    "when, where and why.";
+
+}  // namespace
+
+ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
+                              const Tagger& tagger, Time now, DayZone zone) {
+  auto split = split_words(question);
+  if (!split.ok()) return refused("I am sorry, " + split.status().message() + ".");
+  std::vector<QuestionWord> words = *std::move(split);
+  tagger.correct(words, lexicon);
+  const bool is_indirect = take_politeness(words);
+  replace_phrases(words);
+  AskedTimes times = take_times(words, now, zone);
+  const std::vector<TaggedWord> tagged = tagger.tag(words, lexicon);
+  if (tagged.empty()) return refused(kCannotRead);
+  const QuestionParts parts = parts_of_question(tagged, std::move(times), is_indirect);
+  if (parts.main.words.empty()) return refused(kCannotRead);
+
+  double confidence = kConfidence;
+  size_t passed_over = 0;
+  for (const ClauseParts* clause : {&parts.main, parts.beside ? &parts.beside->parts : nullptr}) {
+    if (clause == nullptr) continue;
+    for (size_t at = 0; at < clause->words.size(); ++at) {
+      const TaggedWord& word = clause->words[at];
+      if (word.is_corrected) confidence -= kPerCorrection;
+      if (word.tag != WordTag::kUnknown) continue;
+      if (const auto strange = strange_name(clause->words, at))
+        return {program_of(*strange), {}, confidence / 2};
+      ++passed_over;
+    }
+  }
+  if (asks_for_future(parts))
+    return refused("I am sorry, I can tell what was and what is, but not what will be.");
+  if (is_request(parts))
+    return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
+  if (passed_over > kMaxPassedOver) return refused(kCannotRead);
+  auto program = GrammarRules(parts, lexicon).program();
+  if (!program) return refused(kCannotRead);
+  // A rule that made what does not validate has a gap, and a gap is no answer.
+  if (!program->validate().ok()) return refused(kCannotRead);
+  confidence -= kPerPassedOver * static_cast<double>(passed_over);
+  return {std::move(program), {}, std::max(0.1, confidence)};
+}
+
+}  // namespace engram::speech

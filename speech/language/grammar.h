@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "speech/language/lexicon.h"
+#include "speech/language/tagger.h"
+#include "speech/program/period.h"
+#include "speech/program/program.h"
+
+namespace engram::speech {
+
+/// A question as a program, or why it is none.
+struct ParsedQuestion {
+  std::optional<Program> program;
+  std::string refusal;    ///< A polite sentence; empty where there is a program.
+  double confidence = 0;  ///< 0..1: less where words were corrected or passed over.
+};
+
+/// Reads a question in English as a program: words, times, tags, clauses, and then the first rule
+/// that fits. A name that the memory does not have becomes part of the program all the same, whose
+/// execution then says that nothing is called so.
+///
+/// Complexity: bounded by the length of a question (speech/language/words.h).
+[[nodiscard]] ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
+                                            const Tagger& tagger, Time now, DayZone zone);
+
+}  // namespace engram::speech

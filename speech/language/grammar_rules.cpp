@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar_rules.h"
+
+#include <algorithm>
+
+namespace engram::speech {
+
+namespace {
+
+/// The skills of a verb; a verb whose skill the memory does not have is named as it is, so that the
+/// program says so.
+std::string skills_or_word(const Lexicon& lexicon, const TaggedWord& word) {
+  const std::string skills = lexicon.skills_of(*word.verb);
+  return skills.empty() ? word.lemma : skills;
+}
+
+const SkillVerb* verb_called(std::string_view lemma) {
+  for (const SkillVerb& verb : skill_verbs())
+    if (has_lemma(verb, lemma)) return &verb;
+  return nullptr;
+}
+
+bool is_carrying(std::string_view lemma) {
+  return lemma == "move" || lemma == "bring" || lemma == "carry" || lemma == "transport" ||
+         lemma == "shift" || lemma == "relocate" || lemma == "deliver" || lemma == "take" ||
+         lemma == "get" || lemma == "transfer";
+}
+
+}  // namespace
+
+std::string any_of_names(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+  return text;
+}
+
+std::string GrammarRules::thing() const {
+  if (!main_.things.empty()) return any_of_names(main_.things);
+  const bool is_pronoun = main_.has_any({"it", "that", "them", "this", "one"});
+  return is_pronoun && parts_.context.size() == 1 ? *parts_.context.begin() : std::string();
+}
+
+void GrammarRules::add_thing(Program& program) const {
+  if (const std::string named = thing(); !named.empty()) program.with(FilterKey::kThing, named);
+}
+
+void GrammarRules::add_places(Program& program) const {
+  if (!main_.places.empty()) program.with(FilterKey::kPlace, any_of_names(main_.places));
+}
+
+/// To bring a thing to a place is to place it there; to move one is both to take and to place it;
+/// to move without a thing is to drive.
+std::string GrammarRules::skills_of(const ClauseParts& clause) const {
+  std::vector<std::string> skills = clause.skills;
+  const auto add = [&](std::string_view lemma) {
+    const SkillVerb* verb = verb_called(lemma);
+    std::string named = verb == nullptr ? std::string() : lexicon_.skills_of(*verb);
+    if (!named.empty()) skills.push_back(std::move(named));
+  };
+  const bool has_thing = !clause.things.empty() ||
+                         clause.has_any({"it", "them", "something", "anything", "thing", "object"});
+  const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
+  const auto carry = [&](const std::string& lemma) {
+    if (!has_thing && clause.places.empty()) return false;
+    if (has_thing && !clause.places.empty() && leads_somewhere) {
+      add("place");
+      return true;
+    }
+    if (lemma == "take" || lemma == "get") return false;
+    if (has_thing && (lemma == "bring" || lemma == "deliver")) {
+      add("place");
+      return true;
+    }
+    if (!has_thing) return false;
+    add("pick");
+    add("place");
+    return true;
+  };
+  for (const TaggedWord* verb : clause.verbs) {
+    if (is_carrying(verb->lemma) && carry(verb->lemma)) continue;
+    // What takes long is not taken.
+    if ((verb->lemma == "take" || verb->lemma == "get") && clause.verbs.size() > 1 &&
+        clause.has_any({"how_long", "long", "longer", "it"}))
+      continue;
+    if (verb->lemma == "take" && clause.has_any({"how_long", "longer"}) && !has_thing) continue;
+    skills.push_back(skills_or_word(lexicon_, *verb));
+  }
+  for (const char* lemma : {"bring", "transport", "shift", "relocate", "transfer"})
+    if (clause.verbs.empty() && clause.has(lemma)) carry(lemma);
+  if (clause.verbs.empty() && clause.has("carry") && !clause.places.empty()) carry("carry");
+  std::sort(skills.begin(), skills.end());
+  skills.erase(std::unique(skills.begin(), skills.end()), skills.end());
+  return any_of_names(skills);
+}
+
+Program GrammarRules::executions_of(const ClauseParts& clause) const {
+  Program program{ProgramSource::kExecutions, {}, {}};
+  if (std::string skills = skills_of(clause); !skills.empty())
+    program.with(FilterKey::kSkill, std::move(skills));
+  if (!clause.things.empty()) program.with(FilterKey::kThing, any_of_names(clause.things));
+  if (!clause.places.empty()) program.with(FilterKey::kPlace, any_of_names(clause.places));
+  if (!clause.hands.empty()) program.with(FilterKey::kHand, clause.hands.front());
+  return program;
+}
+
+Program GrammarRules::executions() const {
+  Program program = executions_of(main_);
+  if (main_.things.empty()) add_thing(program);
+  add_times(program);
+  return program;
+}
+
+GrammarRules::Found GrammarRules::moment_of_clause() const {
+  const SubordinateClause& clause = *parts_.beside;
+  const ClauseParts& told = clause.parts;
+  Program program{ProgramSource::kExecutions, {}, {}};
+  const bool is_said = told.has_any({"say", "ask", "tell", "order", "request", "command"}) &&
+                       (!told.persons.empty() || !told.has_verb() || told.has("i"));
+  if (is_said) {
+    program.source = ProgramSource::kWords;
+    if (!told.persons.empty()) program.with(FilterKey::kSpeaker, told.persons.front());
+    if (told.has("stop"))
+      program.with(FilterKey::kText, "stop");
+    else if (!told.things.empty())
+      program.with(FilterKey::kText, told.things.front());
+    return program.then(StepKind::kLast).then(StepKind::kWhen);
+  }
+  program = executions_of(told);
+  if (told.has_any({"fail", "unable", "not", "wrong"}))
+    program.with(FilterKey::kOutcome, "failure");
+  else if (told.has_any({"stop", "interrupt", "halt"}))
+    program.with(FilterKey::kOutcome, "stop");
+  program.then(told.has("first") ? StepKind::kFirst : StepKind::kLast);
+  return program.then(clause.link == ClauseLink::kAfter ? StepKind::kEnded : StepKind::kWhen);
+}
+
+void GrammarRules::add_times(Program& program) const {
+  const AskedTimes& times = parts_.times;
+  if (times.during) program.with(FilterKey::kDuring, *times.during);
+  if (times.at) program.with(FilterKey::kAt, *times.at);
+  if (times.after) program.with(FilterKey::kAfter, *times.after);
+  if (times.before) program.with(FilterKey::kBefore, *times.before);
+  if (!parts_.beside || program.source == ProgramSource::kThings ||
+      program.source == ProgramSource::kRobot)
+    return;
+  const FilterKey key = parts_.beside->link == ClauseLink::kAfter    ? FilterKey::kAfter
+                        : parts_.beside->link == ClauseLink::kBefore ? FilterKey::kBefore
+                                                                     : FilterKey::kAt;
+  if (program.find(key) != nullptr) return;
+  auto moment = moment_of_clause();
+  if (moment)
+    program.filters.push_back({key, {{}, std::make_shared<const Program>(*std::move(moment))}});
+}
+
+void GrammarRules::add_moment(Program& program) const {
+  const AskedTimes& times = parts_.times;
+  if (parts_.beside) {
+    auto moment = moment_of_clause();
+    if (moment)
+      program.filters.push_back(
+          {FilterKey::kAt, {{}, std::make_shared<const Program>(*std::move(moment))}});
+    return;
+  }
+  for (const auto* time : {&times.at, &times.during, &times.before, &times.after})
+    if (*time) {
+      program.with(FilterKey::kAt, **time);
+      return;
+    }
+}
+
+bool GrammarRules::has_order() const {
+  return main_.has_any({"first", "last", "latest", "final", "recent", "initial", "earliest",
+                        "previous", "second", "third", "newest", "most recently"});
+}
+
+void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise) const {
+  if (main_.has_any({"first", "initial", "earliest"}))
+    program.then(StepKind::kFirst);
+  else if (main_.has_any({"last", "latest", "final", "recent", "previous", "newest"}))
+    program.then(StepKind::kLast);
+  else if (main_.has("second") && !main_.has("how_long"))
+    program.then(StepKind::kNth, "2");
+  else if (main_.has("third"))
+    program.then(StepKind::kNth, "3");
+  else if (main_.has("longest") || main_.has("slowest"))
+    program.then(StepKind::kLongest);
+  else if (main_.has_any({"shortest", "quickest", "fastest"}))
+    program.then(StepKind::kShortest);
+  else if (otherwise)
+    program.then(*otherwise);
+}
+
+bool GrammarRules::asks_about_failure() const {
+  return main_.has_any({"fail", "mistake", "error", "problem", "trouble", "issue", "wrong",
+                        "difficulty", "mishap", "unable", "mess", "miss", "slip"}) ||
+         (main_.has("not") &&
+          main_.has_any({"work", "succeed", "manage", "able", "achieve", "accomplish"})) ||
+         (main_.has("could") && main_.has("not"));
+}
+
+bool GrammarRules::asks_about_stop() const {
+  return main_.has_any({"stop", "interrupt", "halt", "abort", "cancel", "pause", "disturb"}) ||
+         (main_.has("break") && main_.has("off"));
+}
+
+bool GrammarRules::asks_about_sight() const {
+  return main_.has_any({"see", "notice", "observe", "perceive", "view", "visible", "sight", "find",
+                        "spot", "locate", "watch"});
+}
+
+bool GrammarRules::asks_about_words() const {
+  return main_.has_any({"ask", "tell", "say", "speak", "talk", "request", "order", "command",
+                        "want", "instruct", "instruction", "demand", "shout", "mention", "call",
+                        "utter", "word"});
+}
+
+bool GrammarRules::asks_about_holding() const {
+  if (main_.has_any({"hold", "carry", "keep"})) return true;
+  const bool in_hand = main_.has_words({"in", "hand"}) || main_.has_words({"in", "your", "hand"}) ||
+                       main_.has_words({"in", "your", "gripper"}) ||
+                       main_.has_words({"in", "your", "hands"});
+  return in_hand || main_.has("possess");
+}
+
+bool GrammarRules::asks_about_attempts() const {
+  return main_.has_any({"try", "attempt"});
+}
+
+bool GrammarRules::asks_about_success() const {
+  return main_.has_any({"succeed", "manage", "accomplish", "achieve", "able"}) ||
+         main_.has_words({"get", "done"});
+}
+
+GrammarRules::Found GrammarRules::program() {
+  using Rule = Found (GrammarRules::*)();
+  constexpr Rule kRules[] = {
+      &GrammarRules::instead,  &GrammarRules::who,     &GrammarRules::why,   &GrammarRules::when,
+      &GrammarRules::amounts,  &GrammarRules::which,   &GrammarRules::where, &GrammarRules::holding,
+      &GrammarRules::compared, &GrammarRules::whether, &GrammarRules::what};
+  for (const Rule rule : kRules)
+    if (Found found = (this->*rule)()) return found;
+  return {};
+}
+
+}  // namespace engram::speech

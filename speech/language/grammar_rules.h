@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: the rules of the grammar, one group per file.
+
+#include <optional>
+#include <string>
+
+#include "speech/language/lexicon.h"
+#include "speech/language/question_parts.h"
+#include "speech/program/program.h"
+
+namespace engram::speech {
+
+/// What rules read a question with.
+///
+/// Threading: one thread.
+class GrammarRules {
+ public:
+  GrammarRules(const QuestionParts& parts, const Lexicon& lexicon)
+      : parts_(parts), main_(parts.main), lexicon_(lexicon) {}
+
+  /// The program of the first rule that fits; nothing where none does.
+  std::optional<Program> program();
+
+ private:
+  using Found = std::optional<Program>;
+
+  // What would have been (rules_of_events.cpp).
+  Found instead();
+  Found who();
+  Found why();
+  Found when();
+  Found amounts();
+  Found which();
+  Found what();
+
+  // Where things and the robot are, and what is seen (rules_of_things.cpp).
+  Found where();
+  Found holding();
+  Found on_place();
+  Found seeing();
+  Found robot_at();
+
+  // Yes or no (rules_of_yes_no.cpp).
+  Found compared();
+  Found whether();
+  Found whether_failed();
+  Found whether_asked();
+  Found whether_of_thing();
+
+  /// The executions that the words select: skill, thing, place, hand, person, time.
+  [[nodiscard]] Program executions() const;
+  /// The same of one clause, without times.
+  [[nodiscard]] Program executions_of(const ClauseParts& clause) const;
+  /// The skills that the verbs of a clause mean, joined by commas; empty: it has none.
+  [[nodiscard]] std::string skills_of(const ClauseParts& clause) const;
+  /// Adds the times, and the time that a subordinate clause tells.
+  void add_times(Program& program) const;
+  /// The moment as `at`, for things and the robot: a span counts by its end.
+  void add_moment(Program& program) const;
+  /// The program of what a subordinate clause tells; its last step is when or ended.
+  [[nodiscard]] Found moment_of_clause() const;
+  /// Adds first, last or nth, as the words say; else the one that is given.
+  void add_order(Program& program, std::optional<StepKind> otherwise) const;
+  [[nodiscard]] bool has_order() const;
+
+  [[nodiscard]] bool asks_about_failure() const;
+  [[nodiscard]] bool asks_about_stop() const;
+  [[nodiscard]] bool asks_about_sight() const;
+  [[nodiscard]] bool asks_about_words() const;
+  [[nodiscard]] bool asks_about_holding() const;
+  [[nodiscard]] bool asks_about_attempts() const;
+  [[nodiscard]] bool asks_about_success() const;
+  /// Whether the robot is meant: "you".
+  [[nodiscard]] bool is_of_robot() const { return main_.has_any({"you", "robot", "yourself"}); }
+  /// The thing of the words, or of the sentence before where the words say "it"; empty: none.
+  [[nodiscard]] std::string thing() const;
+  void add_thing(Program& program) const;
+  void add_places(Program& program) const;
+
+  const QuestionParts& parts_;
+  const ClauseParts& main_;
+  const Lexicon& lexicon_;
+};
+
+/// Names as the value of a filter: joined by commas, so that any of them fits.
+[[nodiscard]] std::string any_of_names(const std::vector<std::string>& names);
+
+}  // namespace engram::speech

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/question_parts.h"
+
+#include <algorithm>
+
+namespace engram::speech {
+
+namespace {
+
+using TaggedWords = std::vector<TaggedWord>;
+
+bool is_word(const TaggedWord& word, std::initializer_list<std::string_view> texts) {
+  return std::find(texts.begin(), texts.end(), word.text) != texts.end();
+}
+
+/// What a word asks for where it is a question word.
+Asks asked_by(const TaggedWords& words, size_t at) {
+  const TaggedWord& word = words[at];
+  if (is_word(word, {"where"})) return Asks::kWhere;
+  if (is_word(word, {"when"})) return Asks::kWhen;
+  if (is_word(word, {"who", "whom", "whose"})) return Asks::kWho;
+  if (is_word(word, {"why"})) return Asks::kWhy;
+  if (is_word(word, {"how_long"})) return Asks::kHowLong;
+  if (is_word(word, {"how_far"})) return Asks::kHowFar;
+  if (is_word(word, {"how_often"})) return Asks::kHowOften;
+  if (is_word(word, {"how_ago"})) return Asks::kHowAgo;
+  if (is_word(word, {"which"})) return Asks::kWhich;
+  if (is_word(word, {"what"})) return Asks::kWhat;
+  if (is_word(word, {"how"}))
+    return at + 1 < words.size() && is_word(words[at + 1], {"many", "much"}) ? Asks::kHowMany
+                                                                             : Asks::kHow;
+  return Asks::kNothing;
+}
+
+bool is_auxiliary(const TaggedWord& word) {
+  return is_word(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "am",
+                        "can", "could", "would", "will", "should"});
+}
+
+/// A marker that a subordinate clause may begin with.
+std::optional<ClauseLink> link_of(const TaggedWord& word) {
+  if (is_word(word, {"after", "once", "since"})) return ClauseLink::kAfter;
+  if (is_word(word, {"before", "until", "till"})) return ClauseLink::kBefore;
+  if (is_word(word, {"while", "during", "when", "whilst"})) return ClauseLink::kWhile;
+  return {};
+}
+
+/// Where the clause that begins at a marker ends: at a comma, or where a question word or an
+/// auxiliary begins the main clause.
+size_t end_of_clause(const TaggedWords& words, size_t begin) {
+  for (size_t at = begin; at < words.size(); ++at) {
+    if (words[at].ends_clause) return at + 1;
+    if (at > begin + 1 && asked_by(words, at) != Asks::kNothing && !is_word(words[at], {"when"}))
+      return at;
+  }
+  return words.size();
+}
+
+bool has_event(const TaggedWords& words, size_t begin, size_t end) {
+  for (size_t at = begin; at < end; ++at) {
+    const TaggedWord& word = words[at];
+    if (word.tag == WordTag::kVerb || word.tag == WordTag::kSkill) return true;
+    if (word.tag == WordTag::kGrammar &&
+        (word.lemma == "fail" || word.lemma == "stop" || word.lemma == "interrupt" ||
+         word.lemma == "say" || word.lemma == "ask" || word.lemma == "tell" ||
+         word.lemma == "bring" || word.lemma == "move" || word.lemma == "carry"))
+      return true;
+  }
+  return false;
+}
+
+/// Takes a subordinate clause out of a sentence.
+std::optional<SubordinateClause> take_clause(TaggedWords& words) {
+  for (size_t at = 0; at < words.size(); ++at) {
+    const auto link = link_of(words[at]);
+    if (!link) continue;
+    const bool is_when = is_word(words[at], {"when"});
+    const size_t end = end_of_clause(words, at + 1);
+    // "When did you ..." asks, and so does "when you ..." where nothing else does.
+    if (is_when && at + 1 < words.size() && is_auxiliary(words[at + 1])) continue;
+    if (is_when && at == 0 && end == words.size()) continue;
+    if (is_when && at > 0 && is_word(words[at - 1], {"and", "or"})) continue;
+    if (!has_event(words, at + 1, end)) continue;
+    SubordinateClause clause{*link,
+                             ClauseParts(TaggedWords(words.begin() + static_cast<ptrdiff_t>(at) + 1,
+                                                     words.begin() + static_cast<ptrdiff_t>(end)))};
+    TaggedWords rest(words.begin(), words.begin() + static_cast<ptrdiff_t>(at));
+    rest.insert(rest.end(), words.begin() + static_cast<ptrdiff_t>(end), words.end());
+    words = std::move(rest);
+    return clause;
+  }
+  return {};
+}
+
+/// What a clause asks for; a question word that asks more than that something is comes first.
+Asks asked_for(const TaggedWords& words, bool is_indirect) {
+  Asks found = Asks::kNothing;
+  for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
+    found = asked_by(words, at);
+  // "Did you see where ..." asks where; "did you do what ..." is rare.
+  if (found != Asks::kNothing) return found;
+  if (is_indirect && std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+        return is_word(word, {"if", "whether"});
+      }))
+    return Asks::kWhether;
+  for (size_t at = 0; at < words.size(); ++at)
+    if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return Asks::kWhether;
+  return Asks::kNothing;
+}
+
+std::vector<TaggedWords> sentences_of(const TaggedWords& words) {
+  std::vector<TaggedWords> sentences;
+  for (const TaggedWord& word : words) {
+    if (word.begins_sentence || sentences.empty()) sentences.emplace_back();
+    sentences.back().push_back(word);
+  }
+  return sentences;
+}
+
+/// The sentence that asks: the last one with a question word, else the last that begins as
+/// questions do, else the last.
+size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
+  const auto begins_asking = [](const TaggedWords& words) {
+    for (size_t at = 0; at < std::min<size_t>(2, words.size()); ++at)
+      if (is_auxiliary(words[at]) || asked_by(words, at) != Asks::kNothing) return true;
+    return false;
+  };
+  for (size_t i = sentences.size(); i-- > 0;)
+    if (begins_asking(sentences[i])) return i;
+  for (size_t i = sentences.size(); i-- > 0;)
+    for (size_t at = 0; at < sentences[i].size(); ++at)
+      if (asked_by(sentences[i], at) != Asks::kNothing) return i;
+  // "The salt, please. Thanks." Whatever has most names.
+  size_t best = sentences.size() - 1;
+  size_t most_names = 0;
+  for (size_t i = sentences.size(); i-- > 0;) {
+    const auto names = static_cast<size_t>(
+        std::count_if(sentences[i].begin(), sentences[i].end(), [](const TaggedWord& word) {
+          return word.tag != WordTag::kFiller && word.tag != WordTag::kUnknown;
+        }));
+    if (names <= most_names) continue;
+    most_names = names;
+    best = i;
+  }
+  return best;
+}
+
+}  // namespace
+
+ClauseParts::ClauseParts(std::vector<TaggedWord> of) : words(std::move(of)) {
+  const auto add_once = [](std::vector<std::string>& list, const std::string& value) {
+    if (std::find(list.begin(), list.end(), value) == list.end()) list.push_back(value);
+  };
+  for (const TaggedWord& word : words) {
+    switch (word.tag) {
+      case WordTag::kThing:
+        add_once(things, word.value);
+        break;
+      case WordTag::kPlace:
+        add_once(places, word.value);
+        break;
+      case WordTag::kPerson:
+        add_once(persons, word.value);
+        break;
+      case WordTag::kHand:
+        add_once(hands, word.value);
+        break;
+      case WordTag::kSkill:
+        add_once(skills, word.value);
+        break;
+      case WordTag::kVerb:
+        verbs.push_back(&word);
+        lemmas.insert(word.lemma);
+        break;
+      case WordTag::kUnknown:
+        unknown.push_back(&word);
+        break;
+      default:
+        lemmas.insert(word.lemma);
+        lemmas.insert(word.text);
+        break;
+    }
+  }
+}
+
+bool ClauseParts::has_any(std::initializer_list<std::string_view> any) const {
+  return std::any_of(any.begin(), any.end(), [this](std::string_view one) { return has(one); });
+}
+
+bool ClauseParts::has_words(std::initializer_list<std::string_view> row) const {
+  for (size_t at = 0; at + row.size() <= words.size(); ++at) {
+    size_t same = 0;
+    for (const std::string_view text : row) {
+      const TaggedWord& word = words[at + same];
+      if (word.text != text && word.lemma != text) break;
+      ++same;
+    }
+    if (same == row.size()) return true;
+  }
+  return false;
+}
+
+QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes times,
+                                bool is_indirect) {
+  std::vector<TaggedWords> sentences = sentences_of(words);
+  const size_t asking = asking_sentence(sentences);
+  TaggedWords main = sentences[asking];
+  auto beside = take_clause(main);
+  const Asks asks = asked_for(main, is_indirect);
+  QuestionParts parts(asks, ClauseParts(std::move(main)));
+  if (beside) parts.beside.emplace(std::move(*beside));
+  parts.times = std::move(times);
+  for (size_t i = 0; i < sentences.size(); ++i)
+    if (i != asking)
+      for (const TaggedWord& word : sentences[i])
+        if (word.tag == WordTag::kThing) parts.context.insert(word.value);
+  return parts;
+}
+
+}  // namespace engram::speech

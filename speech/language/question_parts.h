@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+// Private to this room: what rules of the grammar look at.
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "speech/language/tagger.h"
+#include "speech/language/time_words.h"
+#include "speech/program/program.h"
+
+namespace engram::speech {
+
+/// What is asked for.
+enum class Asks {
+  kNothing,
+  kWhere,
+  kWhen,
+  kWho,
+  kWhy,
+  kHowLong,
+  kHowFar,
+  kHowOften,
+  kHowMany,
+  kHowAgo,
+  kWhich,
+  kWhat,
+  kHow,
+  kWhether,
+};
+
+/// The words of one clause, sorted by what they are.
+struct ClauseParts {
+  std::vector<TaggedWord> words;
+  std::set<std::string> lemmas;     ///< Of all words, names excepted.
+  std::vector<std::string> things;  ///< As programs name them, in the order of the words.
+  std::vector<std::string> places;
+  std::vector<std::string> persons;
+  std::vector<std::string> hands;
+  std::vector<const TaggedWord*> verbs;  ///< Of skills.
+  std::vector<std::string> skills;       ///< Skills that are called by their names.
+  std::vector<const TaggedWord*> unknown;
+
+  explicit ClauseParts(std::vector<TaggedWord> of);
+  ClauseParts(const ClauseParts& other) : ClauseParts(other.words) {}
+  ClauseParts& operator=(const ClauseParts&) = delete;
+
+  [[nodiscard]] bool has(std::string_view lemma) const {
+    return lemmas.contains(std::string(lemma));
+  }
+  [[nodiscard]] bool has_any(std::initializer_list<std::string_view> any) const;
+  /// Whether these words follow each other.
+  [[nodiscard]] bool has_words(std::initializer_list<std::string_view> row) const;
+  [[nodiscard]] bool has_verb() const { return !verbs.empty() || !skills.empty(); }
+};
+
+/// How a subordinate clause limits the time of the main one.
+enum class ClauseLink { kAfter, kBefore, kWhile };
+
+struct SubordinateClause {
+  ClauseLink link{};
+  ClauseParts parts;
+};
+
+/// A question in parts.
+struct QuestionParts {
+  Asks asks = Asks::kNothing;
+  ClauseParts main;
+  std::optional<SubordinateClause> beside;
+  std::set<std::string> context;  ///< Things of the sentences before, for "it" and "that".
+  AskedTimes times;
+
+  QuestionParts(Asks asked, ClauseParts clause) : asks(asked), main(std::move(clause)) {}
+};
+
+/// Finds the sentence that asks, what it asks for, and its clauses. `is_indirect`: it followed
+/// "tell me" or the like.
+[[nodiscard]] QuestionParts parts_of_question(const std::vector<TaggedWord>& words,
+                                              AskedTimes times, bool is_indirect);
+
+}  // namespace engram::speech

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar_rules.h"
+
+namespace engram::speech {
+
+/// "What would you have done if nobody had said stop?"
+GrammarRules::Found GrammarRules::instead() {
+  const bool is_would = main_.has("would") && main_.has("have");
+  const bool is_instead = main_.has_any({"otherwise", "unless"}) ||
+                          (main_.has("if") && main_.has("not") && main_.has("have"));
+  const bool is_left = main_.has_any({"left", "remain", "rest", "intend", "intention"}) &&
+                       main_.has_any({"plan", "step", "task", "do"}) && asks_about_stop();
+  const bool is_next =
+      main_.has("next") && (main_.has("plan") || main_.has("intend")) && is_of_robot();
+  if (!is_would && !is_instead && !is_left && !is_next) return {};
+  Program program{ProgramSource::kExecutions, {}, {}};
+  add_thing(program);
+  add_times(program);
+  const bool is_failure = asks_about_failure() ||
+                          main_.has_any({"fall", "lose", "succeed", "drop", "work", "go wrong"});
+  program.with(FilterKey::kOutcome, asks_about_stop()  ? "stop"
+                                    : is_failure       ? "failure"
+                                    : main_.has("say") ? "stop"
+                                                       : "problem");
+  add_order(program, StepKind::kLast);
+  if (parts_.asks == Asks::kWhere) return program.then(StepKind::kInsteadWhere);
+  if (main_.has("next") || main_.has_words({"right", "after"}))
+    return program.then(StepKind::kInsteadNext);
+  if (parts_.asks == Asks::kWhether) {
+    std::string skills = skills_of(main_);
+    // The verb that was stopped is no verb of what would have been.
+    if (skills.empty()) return program.then(StepKind::kInstead);
+    return program.then(StepKind::kInsteadHas, std::move(skills));
+  }
+  return program.then(StepKind::kInstead);
+}
+
+GrammarRules::Found GrammarRules::who() {
+  if (parts_.asks != Asks::kWho) return {};
+  if (asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, "stop");
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kWhoStopped);
+  }
+  if (asks_about_holding() ||
+      (main_.has("have") && !main_.things.empty() && !main_.has_verb() && !asks_about_words())) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    add_moment(program);
+    program.with(FilterKey::kIsHeld, "yes");
+    return program.then(StepKind::kHolder);
+  }
+  const bool is_for = main_.has_any({"for", "behalf", "because"});
+  if (!asks_about_words() && !is_for && !main_.has("need")) return {};
+  if (main_.has_verb() && (!main_.things.empty() || !main_.places.empty()) &&
+      !skills_of(main_).empty()) {
+    Program program = executions();
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kWho);
+  }
+  const bool is_of_plans = main_.has_any({"ask", "request", "order", "command", "want", "instruct",
+                                          "need", "demand", "tell"}) ||
+                           is_for;
+  Program program{is_of_plans ? ProgramSource::kPlans : ProgramSource::kWords, {}, {}};
+  if (is_of_plans) {
+    add_thing(program);
+    add_places(program);
+  } else if (!thing().empty()) {
+    program.with(FilterKey::kText, thing());
+  }
+  add_times(program);
+  if (has_order() || (thing().empty() && main_.places.empty() && is_of_plans))
+    add_order(program, has_order() ? std::nullopt : std::optional(StepKind::kLast));
+  return program.then(StepKind::kWho);
+}
+
+GrammarRules::Found GrammarRules::why() {
+  if (parts_.asks != Asks::kWhy) return {};
+  Program program = executions();
+  const bool is_again =
+      main_.has_any({"again", "twice", "retry"}) || main_.has_words({"second", "time"}) ||
+      main_.has_words({"another", "attempt"}) || main_.has_words({"second", "attempt"});
+  if (is_again) {
+    program.with(FilterKey::kOutcome, "problem");
+    return program.then(StepKind::kFirst).then(StepKind::kReason);
+  }
+  if (asks_about_stop() && !asks_about_failure()) {
+    // To stop moving is to stop whatever one does.
+    if (main_.has("move") && main_.places.empty())
+      std::erase_if(program.filters,
+                    [](const ProgramFilter& filter) { return filter.key == FilterKey::kSkill; });
+    program.with(FilterKey::kOutcome, "stop");
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kReason);
+  }
+  if (asks_about_failure()) {
+    program.with(FilterKey::kOutcome, "failure");
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kReason);
+  }
+  const bool is_not_done = main_.has("not") || main_.has("never");
+  if (is_not_done) {
+    program.with(FilterKey::kOutcome, "problem");
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kReason);
+  }
+  const bool is_somewhere = main_.has("be") || main_.has_any({"stand", "stay", "sit"});
+  if (!main_.has_verb() && skills_of(main_).empty()) {
+    // Why something is where it is: because of who put it there, or drove there.
+    if (!is_somewhere || (thing().empty() && main_.places.empty())) {
+      if (!parts_.times.at || !main_.has("do")) return {};
+    } else if (const SkillVerb* verb = verb_of_skill(thing().empty() ? "drive" : "place")) {
+      const std::string skills = lexicon_.skills_of(*verb);
+      if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+    }
+  }
+  add_order(program, StepKind::kLast);
+  return program.then(StepKind::kWhy);
+}
+
+GrammarRules::Found GrammarRules::when() {
+  const bool is_ago =
+      parts_.asks == Asks::kHowAgo ||
+      (parts_.asks == Asks::kHowLong &&
+       (main_.has_any({"since", "ago"}) ||
+        (parts_.beside && parts_.beside->link == ClauseLink::kAfter && !main_.has_verb())));
+  const bool is_noun = parts_.asks == Asks::kNothing && main_.has("time") && has_order();
+  if (parts_.asks != Asks::kWhen && !is_ago && !is_noun) return {};
+  const StepKind step = is_ago ? StepKind::kAgo : StepKind::kWhen;
+  if (is_ago && parts_.beside && !main_.has_verb()) {
+    auto moment = moment_of_clause();
+    moment->steps.pop_back();
+    return moment->then(step);
+  }
+  if (asks_about_sight() && !main_.has_verb()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    if (parts_.times.during) program.with(FilterKey::kDuring, *parts_.times.during);
+    program.then(main_.has_any({"first", "initial", "earliest"}) ? StepKind::kFirstSeen
+                                                                 : StepKind::kLastSeen);
+    return program.then(step);
+  }
+  if (asks_about_stop() || asks_about_failure()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    add_order(program, StepKind::kLast);
+    return program.then(is_ago ? step : StepKind::kEnded);
+  }
+  if (asks_about_words()) {
+    const bool is_of_plans = !main_.things.empty() || main_.has_any({"ask", "order", "request"});
+    Program program{is_of_plans ? ProgramSource::kPlans : ProgramSource::kWords, {}, {}};
+    if (is_of_plans) {
+      add_thing(program);
+      add_places(program);
+    }
+    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
+    add_times(program);
+    add_order(program, StepKind::kLast);
+    return program.then(step);
+  }
+  if (!main_.has_verb() && skills_of(main_).empty() && thing().empty() && main_.places.empty() &&
+      !has_order() && !main_.has_any({"do", "start", "begin", "finish", "end", "complete"}))
+    return {};
+  Program program = executions();
+  if (!asks_about_attempts() && asks_about_success()) program.with(FilterKey::kOutcome, "success");
+  // Who was at a place has driven there.
+  if (!main_.has_verb() && thing().empty() && !main_.places.empty())
+    if (const SkillVerb* verb = verb_of_skill("drive"))
+      if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
+        program.with(FilterKey::kSkill, skills);
+  const bool is_end = main_.has_any({"finish", "end", "complete", "arrive", "reach"});
+  add_order(program, main_.has_any({"start", "begin"}) && !main_.has_verb() ? StepKind::kFirst
+                                                                            : StepKind::kLast);
+  return program.then(is_end && !is_ago ? StepKind::kEnded : step);
+}
+
+/// How long, how far, how often and how many.
+GrammarRules::Found GrammarRules::amounts() {
+  if (parts_.asks == Asks::kHowLong || (parts_.asks == Asks::kNothing && main_.has("duration")) ||
+      (parts_.asks == Asks::kWhat && main_.has("duration"))) {
+    Program program = executions();
+    if (program.filters.empty() && !has_order()) return {};
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kHowLong);
+  }
+  if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
+    Program program = executions();
+    if (program.find(FilterKey::kSkill) == nullptr)
+      if (const SkillVerb* verb = verb_of_skill("drive"))
+        if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
+          program.with(FilterKey::kSkill, skills);
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kHowFar);
+  }
+  const bool is_count = main_.has_any({"count", "number", "total"}) &&
+                        (parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhat);
+  const bool is_often = parts_.asks == Asks::kHowOften;
+  if (!is_often && parts_.asks != Asks::kHowMany && !is_count) return {};
+  if (asks_about_stop() || asks_about_failure()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_stop() ? "stop" : "failure");
+    return program.then(StepKind::kCount);
+  }
+  const bool is_of_words = asks_about_words() && !main_.has_verb();
+  if (is_of_words) {
+    Program program{main_.has_any({"say", "speak", "talk", "word"}) ? ProgramSource::kWords
+                                                                    : ProgramSource::kPlans,
+                    {},
+                    {}};
+    if (program.source == ProgramSource::kPlans) {
+      add_thing(program);
+      add_places(program);
+    }
+    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
+    add_times(program);
+    return program.then(StepKind::kCount);
+  }
+  if (!is_often && main_.has_any({"task", "job", "plan"}) && !main_.has_verb()) {
+    Program program{ProgramSource::kPlans, {}, {}};
+    add_times(program);
+    return program.then(StepKind::kCount);
+  }
+  const bool is_of_things = main_.has_any({"thing", "object", "item", "stuff"});
+  if (!is_often && is_of_things && !main_.has_verb() && skills_of(main_).empty()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_places(program);
+    if (asks_about_holding()) program.with(FilterKey::kIsHeld, "yes");
+    if (asks_about_sight() && !main_.has("visible"))
+      program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+    else
+      add_moment(program);
+    return program.then(StepKind::kCount);
+  }
+  Program program = executions();
+  if (!is_often && is_of_things && !asks_about_attempts()) {
+    program.with(FilterKey::kOutcome, "success");
+    return program.then(StepKind::kHowMany, "thing");
+  }
+  if (program.filters.empty() &&
+      !main_.has_any({"action", "step", "try", "attempt", "do", "activity"}))
+    return {};
+  if (asks_about_success()) program.with(FilterKey::kOutcome, "success");
+  return program.then(StepKind::kCount);
+}
+
+GrammarRules::Found GrammarRules::which() {
+  const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat;
+  if (main_.has_any({"hand", "arm", "gripper"}) && is_which &&
+      !main_.has_words({"in", "your", "hand"}) && !main_.has_words({"in", "your", "hands"})) {
+    if (asks_about_holding() && !main_.has_verb()) {
+      Program program{ProgramSource::kThings, {}, {}};
+      add_thing(program);
+      add_moment(program);
+      program.with(FilterKey::kIsHeld, "yes");
+      return program.then(StepKind::kHolder);
+    }
+    Program program = executions();
+    // "Left or right" names no hand that was used.
+    std::erase_if(program.filters,
+                  [](const ProgramFilter& filter) { return filter.key == FilterKey::kHand; });
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kWhich, "hand");
+  }
+  if (parts_.asks == Asks::kHow && main_.hands.empty() && main_.has("hand")) return {};
+  if (!is_which || asks_about_words() || asks_about_sight() || asks_about_holding()) return {};
+  if (asks_about_failure() || asks_about_stop()) {
+    const bool is_thing = main_.has_any({"thing", "object", "item"}) && main_.has_verb() &&
+                          (main_.has("you") || main_.has("robot"));
+    const bool is_what_verbed = parts_.asks == Asks::kWhat && main_.has_verb() &&
+                                skills_of(main_).size() > 0 && thing().empty();
+    if (!is_thing && !is_what_verbed) return {};
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kWhich, "thing");
+  }
+  // "What did you pick up?" asks for a thing, "Which place did you drive to?" for a place.
+  const std::string skills = skills_of(main_);
+  if (skills.empty() || !thing().empty() || main_.has("do") == false) {
+    if (skills.empty() || !thing().empty()) return {};
+  }
+  Program program = executions();
+  const SkillVerb* drive = verb_of_skill("drive");
+  const bool is_place = drive != nullptr && skills == lexicon_.skills_of(*drive);
+  if (!asks_about_attempts()) program.with(FilterKey::kOutcome, "success");
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kWhich, is_place && main_.places.empty() ? "place" : "thing");
+}
+
+/// What was done, what was said, and what went wrong.
+GrammarRules::Found GrammarRules::what() {
+  const bool is_narration = main_.has_any({"summarize", "summarise", "summary", "describe",
+                                           "report", "narrate", "recap", "list", "story"}) ||
+                            (parts_.asks == Asks::kNothing && main_.has("about")) ||
+                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be"));
+  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
+                       (parts_.asks == Asks::kNothing &&
+                        (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
+  if (!is_what) return {};
+  const bool is_of_words = asks_about_words() && !main_.has("about") &&
+                           (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
+  if (is_of_words) {
+    const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||
+                         (main_.has("tell") && !main_.has_any({"do", "to"}));
+    Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
+    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
+    if (!is_said) {
+      add_thing(program);
+      add_places(program);
+    } else if (asks_about_stop()) {
+      program.with(FilterKey::kText, "stop");
+    }
+    add_times(program);
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kSaid);
+  }
+  if (asks_about_failure() || asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kEvents);
+  }
+  const bool is_of_doing =
+      main_.has_any({"do", "happen", "occur", "action", "activity", "task", "work", "job", "busy",
+                     "step", "event", "accomplish", "achieve"}) ||
+      is_narration;
+  if (!is_of_doing) return {};
+  // What was done right beside something else is the one action there.
+  if (parts_.beside && parts_.beside->link != ClauseLink::kWhile && !has_order() && !is_narration) {
+    auto moment = moment_of_clause();
+    if (moment && moment->source == ProgramSource::kExecutions && parts_.times.empty()) {
+      moment->steps.pop_back();
+      moment->then(parts_.beside->link == ClauseLink::kAfter ? StepKind::kNext
+                                                             : StepKind::kPrevious);
+      return moment->then(StepKind::kEvents);
+    }
+  }
+  Program program = executions();
+  if (parts_.times.is_now && parts_.times.empty()) program.with(FilterKey::kAt, "now");
+  if (asks_about_success()) program.with(FilterKey::kOutcome, "success");
+  const bool needs_place = main_.has("be") || main_.has("do");
+  if (program.find(FilterKey::kPlace) != nullptr && !needs_place) return {};
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kEvents);
+}
+
+}  // namespace engram::speech

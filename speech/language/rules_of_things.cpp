@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar_rules.h"
+
+namespace engram::speech {
+
+GrammarRules::Found GrammarRules::where() {
+  const bool is_noun = main_.has_any({"location", "position", "whereabouts"}) &&
+                       (parts_.asks == Asks::kWhat || parts_.asks == Asks::kNothing);
+  const bool is_mine = main_.has_any({"i", "we"}) && !main_.has("you");
+  const bool is_lost =
+      is_mine && !thing().empty() &&
+      (parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhether) &&
+      (main_.has_words({"look", "for"}) || main_.has_words({"looking", "for"}) ||
+       (main_.has("not") && main_.has_any({"find", "see"})) || main_.has_any({"search", "lose"}));
+  if (parts_.asks != Asks::kWhere && !is_noun && !is_lost) return {};
+  if (is_lost) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    return program.then(StepKind::kWhere);
+  }
+  const std::string skills = skills_of(main_);
+  if (asks_about_sight() && !thing().empty() && skills.empty()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    if (is_mine) return program.then(StepKind::kWhere);
+    if (parts_.times.during) program.with(FilterKey::kDuring, *parts_.times.during);
+    program.then(main_.has_any({"first", "initial", "earliest"}) ? StepKind::kFirstSeen
+                                                                 : StepKind::kLastSeen);
+    return program.then(StepKind::kWhere);
+  }
+  if (asks_about_failure() || asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kWhere);
+  }
+  if (!skills.empty()) {
+    Program program = executions();
+    const SkillVerb* drive = verb_of_skill("drive");
+    const bool is_drive = drive != nullptr && skills == lexicon_.skills_of(*drive);
+    if (main_.has("from") && is_drive && main_.places.empty()) {
+      add_order(program, StepKind::kLast);
+      return program.then(StepKind::kFrom);
+    }
+    if (is_drive && thing().empty() && !has_order()) return program.then(StepKind::kWhere);
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kWhere);
+  }
+  if (!thing().empty()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    add_moment(program);
+    return program.then(StepKind::kWhere);
+  }
+  if (!is_of_robot()) return {};
+  Program program{ProgramSource::kRobot, {}, {}};
+  add_moment(program);
+  return program.then(StepKind::kWhere);
+}
+
+/// What the robot holds.
+GrammarRules::Found GrammarRules::holding() {
+  if (parts_.asks == Asks::kWhether || !asks_about_holding()) return on_place();
+  if (parts_.asks != Asks::kWhat && parts_.asks != Asks::kWhich) return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  program.with(FilterKey::kIsHeld, "yes");
+  if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());
+  add_moment(program);
+  return program.then(StepKind::kWhich, "thing");
+}
+
+/// What is on a place.
+GrammarRules::Found GrammarRules::on_place() {
+  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich;
+  if (!is_what) return {};
+  if (asks_about_sight()) return seeing();
+  const bool is_there =
+      main_.has_any({"be", "stand", "lie", "sit", "there", "lay", "keep", "have"});
+  if (main_.places.empty() || !is_there || main_.has("you") || main_.has_verb() ||
+      main_.has_any({"do", "happen"}))
+    return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  add_places(program);
+  add_moment(program);
+  return program.then(StepKind::kWhich, "thing");
+}
+
+/// What was or is in sight.
+GrammarRules::Found GrammarRules::seeing() {
+  Program program{ProgramSource::kThings, {}, {}};
+  add_places(program);
+  const bool is_present = parts_.times.is_now || main_.has_any({"visible", "sight", "can"}) ||
+                          (main_.has("do") && !main_.has("did") && !main_.has("have"));
+  if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
+    add_moment(program);
+    program.with(FilterKey::kVisible, "yes");
+  } else {
+    program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+  }
+  if (main_.has_any({"last", "first"})) {
+    std::erase_if(program.filters, [](const ProgramFilter& filter) {
+      return filter.key == FilterKey::kVisible || filter.key == FilterKey::kAt;
+    });
+    program.then(main_.has("last") ? StepKind::kLastSeen : StepKind::kFirstSeen);
+  }
+  return program.then(StepKind::kWhich, "thing");
+}
+
+/// Whether the robot was at a place.
+GrammarRules::Found GrammarRules::robot_at() {
+  if (main_.places.empty() || !is_of_robot() || main_.has_verb() || !thing().empty() ||
+      !main_.has_any({"be", "stand", "stay", "there"}))
+    return {};
+  const bool has_moment = parts_.times.at || parts_.beside || parts_.times.is_now ||
+                          main_.has_any({"is", "are", "still", "currently"});
+  if (!has_moment) {
+    Program program = executions();
+    if (const SkillVerb* verb = verb_of_skill("drive"))
+      if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
+        program.with(FilterKey::kSkill, skills);
+    return program.then(StepKind::kExists);
+  }
+  Program program{ProgramSource::kRobot, {}, {}};
+  add_places(program);
+  add_moment(program);
+  return program.then(StepKind::kExists);
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar_rules.h"
+
+namespace engram::speech {
+
+/// "Did it take longer to pick up the salt than the tea?", "Did you pick up the salt before the
+/// tea?"
+GrammarRules::Found GrammarRules::compared() {
+  if (parts_.asks != Asks::kWhether && parts_.asks != Asks::kNothing) return {};
+  std::vector<std::string> things = main_.things;
+  if (parts_.beside)
+    things.insert(things.end(), parts_.beside->parts.things.begin(),
+                  parts_.beside->parts.things.end());
+  if (things.size() != 2) return {};
+  const bool is_longer =
+      main_.has_any({"longer", "slower"}) || (main_.has("more") && main_.has("time"));
+  const bool is_shorter =
+      main_.has_any({"shorter", "faster", "quicker"}) || (main_.has("less") && main_.has("time"));
+  const bool is_more_often = main_.has("often") && main_.has_any({"more", "than"});
+  const bool is_before = main_.has("before") || main_.has("earlier") ||
+                         (parts_.beside && parts_.beside->link == ClauseLink::kBefore);
+  const bool is_after = main_.has("after") || main_.has("later") ||
+                        (parts_.beside && parts_.beside->link == ClauseLink::kAfter);
+  const auto of = [&](const std::string& one) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    std::string skills = skills_of(main_);
+    if (skills.empty() && parts_.beside) skills = skills_of(parts_.beside->parts);
+    if (!skills.empty()) program.with(FilterKey::kSkill, std::move(skills));
+    program.with(FilterKey::kThing, one);
+    return program;
+  };
+  const auto compare = [&](std::initializer_list<StepKind> steps, StepKind how) {
+    Program first = of(things[0]);
+    Program second = of(things[1]);
+    for (const StepKind step : steps) {
+      first.then(step);
+      second.then(step);
+    }
+    first.steps.push_back({how, Argument{{}, std::make_shared<const Program>(std::move(second))}});
+    return first;
+  };
+  if (is_longer || is_shorter)
+    return compare({StepKind::kLast, StepKind::kHowLong},
+                   is_longer ? StepKind::kMoreThan : StepKind::kLessThan);
+  if (is_more_often)
+    return compare({StepKind::kCount},
+                   main_.has("less") ? StepKind::kLessThan : StepKind::kMoreThan);
+  if (is_before || is_after)
+    return compare({StepKind::kFirst, StepKind::kWhen},
+                   is_after ? StepKind::kMoreThan : StepKind::kLessThan);
+  return {};
+}
+
+GrammarRules::Found GrammarRules::whether() {
+  if (parts_.asks != Asks::kWhether) return {};
+  if (Found found = whether_failed()) return found;
+  if (Found found = robot_at()) return found;
+  if (Found found = whether_of_thing()) return found;
+  if (Found found = whether_asked()) return found;
+  const std::string skills = skills_of(main_);
+  if (skills.empty() && thing().empty() && main_.places.empty() && main_.hands.empty()) {
+    // "Did you do anything yesterday?"
+    if (!main_.has("do") || !is_of_robot() || !main_.has_any({"anything", "something"})) return {};
+    return executions().then(StepKind::kExists);
+  }
+  if (skills.empty() && main_.hands.empty()) {
+    if (main_.has_any({"touch", "handle", "manipulate", "use", "move"}) ||
+        main_.has_words({"do", "anything"}) || main_.has_words({"do", "something"}))
+      return executions().then(StepKind::kExists);
+    return {};
+  }
+  Program program = executions();
+  // What was begun and failed was not done; whoever asks about trying wants to know of it.
+  const bool is_going_on =
+      parts_.times.at || (parts_.beside && parts_.beside->link == ClauseLink::kWhile);
+  if (!asks_about_attempts() && !is_going_on) program.with(FilterKey::kOutcome, "success");
+  return program.then(StepKind::kExists);
+}
+
+/// Whether something went wrong, was stopped, or was tried again.
+GrammarRules::Found GrammarRules::whether_failed() {
+  const bool is_again = main_.has_any({"again", "retry"}) ||
+                        main_.has_words({"second", "attempt"}) ||
+                        main_.has_words({"second", "try"}) || main_.has_words({"another", "try"}) ||
+                        main_.has_words({"another", "attempt"}) ||
+                        main_.has_words({"another", "go"}) || main_.has_words({"give", "up"});
+  if (is_again) {
+    const bool gave_up = main_.has_words({"give", "up"});
+    Program program = executions();
+    std::erase_if(program.filters, [](const ProgramFilter& filter) {
+      return filter.key == FilterKey::kAfter && filter.value.program != nullptr;
+    });
+    if (program.find(FilterKey::kThing) == nullptr && parts_.beside &&
+        !parts_.beside->parts.things.empty())
+      program.with(FilterKey::kThing, any_of_names(parts_.beside->parts.things));
+    if (gave_up) return {};
+    program.with(FilterKey::kOutcome, "problem");
+    return program.then(StepKind::kRetried);
+  }
+  const bool is_all = main_.has_any({"everything", "all", "every"});
+  const bool is_well = main_.has_any({"well", "smoothly", "fine", "okay", "ok", "right", "good",
+                                      "work", "succeed", "plan", "perfectly"});
+  const bool has_no_problem = main_.has("without") && asks_about_failure();
+  if ((is_all && is_well && !asks_about_failure()) || has_no_problem ||
+      (main_.has("go") && is_well && !main_.has_verb())) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, is_all && main_.has("succeed") ? "problem" : "problem");
+    return program.then(StepKind::kNone);
+  }
+  if (asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, "stop");
+    return program.then(StepKind::kExists);
+  }
+  if (!asks_about_failure()) return {};
+  Program program = executions();
+  // "Did you not manage" asks for a failure, "did you not fail" too.
+  program.with(FilterKey::kOutcome, "failure");
+  return program.then(StepKind::kExists);
+}
+
+/// Whether somebody asked for something.
+GrammarRules::Found GrammarRules::whether_asked() {
+  const bool is_of_words = main_.has_any(
+      {"ask", "tell", "say", "speak", "talk", "request", "order", "command", "want", "instruct"});
+  if (!is_of_words) return {};
+  const bool is_said =
+      main_.has_any({"say", "speak", "talk"}) || (main_.has("tell") && asks_about_stop());
+  Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
+  if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
+  if (is_said) {
+    if (!thing().empty()) program.with(FilterKey::kText, thing());
+  } else {
+    add_thing(program);
+    add_places(program);
+  }
+  add_times(program);
+  return program.then(StepKind::kExists);
+}
+
+/// Whether a thing is somewhere, in sight or in a hand.
+GrammarRules::Found GrammarRules::whether_of_thing() {
+  const bool is_anything =
+      main_.has_any({"anything", "something", "thing", "object", "empty", "nothing", "full"});
+  const bool is_moved =
+      !thing().empty() && (main_.has("move") || main_.has("shift")) && main_.places.empty();
+  if (is_moved) {
+    Program program = executions();
+    std::erase_if(program.filters,
+                  [](const ProgramFilter& filter) { return filter.key == FilterKey::kSkill; });
+    std::string skills;
+    for (const char* name : {"pick", "place"})
+      if (const SkillVerb* verb = verb_of_skill(name))
+        if (const std::string known = lexicon_.skills_of(*verb); !known.empty())
+          skills += (skills.empty() ? "" : ",") + known;
+    if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+    program.with(FilterKey::kOutcome, "success");
+    return program.then(StepKind::kExists);
+  }
+  if (main_.has_verb() && !skills_of(main_).empty()) return {};
+  if (asks_about_holding() || (main_.has("have") && !main_.has("did") && main_.has("hand"))) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());
+    program.with(FilterKey::kIsHeld, "yes");
+    add_moment(program);
+    return program.then(main_.has("empty") ? StepKind::kNone : StepKind::kExists);
+  }
+  if (asks_about_sight()) {
+    if (thing().empty() && !is_anything) return {};
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    const bool is_present = parts_.times.is_now || main_.has_any({"visible", "sight", "can"}) ||
+                            (main_.has("is") && !main_.has("has"));
+    if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
+      add_moment(program);
+      return program.then(StepKind::kIsVisible);
+    }
+    add_places(program);
+    program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+    return program.then(StepKind::kExists);
+  }
+  const bool is_of_thing = !thing().empty() || is_anything;
+  if (!is_of_thing || main_.places.empty() || main_.has("you") ||
+      !main_.has_any({"be", "stand", "lie", "there", "sit"}))
+    return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  add_places(program);
+  add_moment(program);
+  return program.then(main_.has_any({"empty", "nothing"}) ? StepKind::kNone : StepKind::kExists);
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/words.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+
+#include "ltm/core/ascii.h"
+#include "ltm/core/utf8.h"
+
+namespace engram::speech {
+
+namespace {
+
+struct Respelled {
+  std::string_view given;
+  std::string_view written;
+};
+
+/// What has no rule of its own below.
+constexpr std::array<Respelled, 22> kContractions{{
+    {"won't", "will not"},    {"can't", "can not"},    {"cannot", "can not"},
+    {"shan't", "shall not"},  {"let's", "let us"},     {"what's", "what is"},
+    {"where's", "where is"},  {"who's", "who is"},     {"when's", "when is"},
+    {"how's", "how is"},      {"why's", "why is"},     {"that's", "that is"},
+    {"it's", "it is"},        {"there's", "there is"}, {"whats", "what is"},
+    {"wheres", "where is"},   {"whos", "who is"},      {"didnt", "did not"},
+    {"couldnt", "could not"}, {"wasnt", "was not"},    {"whatd", "what did"},
+    {"gonna", "going to"},
+}};
+
+constexpr std::array<Respelled, 6> kEndings{{
+    {"n't", " not"},
+    {"'re", " are"},
+    {"'ve", " have"},
+    {"'ll", " will"},
+    {"'d", " did"},
+    {"'m", " am"},
+}};
+
+const std::map<std::string_view, std::string_view>& irregular_forms() {
+  static const std::map<std::string_view, std::string_view> kForms{{"took", "take"},
+                                                                   {"taken", "take"},
+                                                                   {"got", "get"},
+                                                                   {"gotten", "get"},
+                                                                   {"drove", "drive"},
+                                                                   {"driven", "drive"},
+                                                                   {"went", "go"},
+                                                                   {"gone", "go"},
+                                                                   {"saw", "see"},
+                                                                   {"seen", "see"},
+                                                                   {"held", "hold"},
+                                                                   {"brought", "bring"},
+                                                                   {"said", "say"},
+                                                                   {"told", "tell"},
+                                                                   {"spoke", "speak"},
+                                                                   {"spoken", "speak"},
+                                                                   {"came", "come"},
+                                                                   {"found", "find"},
+                                                                   {"gave", "give"},
+                                                                   {"given", "give"},
+                                                                   {"began", "begin"},
+                                                                   {"begun", "begin"},
+                                                                   {"did", "do"},
+                                                                   {"done", "do"},
+                                                                   {"doing", "do"},
+                                                                   {"does", "do"},
+                                                                   {"made", "make"},
+                                                                   {"kept", "keep"},
+                                                                   {"fell", "fall"},
+                                                                   {"fallen", "fall"},
+                                                                   {"broke", "break"},
+                                                                   {"broken", "break"},
+                                                                   {"wanted", "want"},
+                                                                   {"stood", "stand"},
+                                                                   {"lost", "lose"},
+                                                                   {"had", "have"},
+                                                                   {"has", "have"},
+                                                                   {"having", "have"},
+                                                                   {"was", "be"},
+                                                                   {"were", "be"},
+                                                                   {"is", "be"},
+                                                                   {"are", "be"},
+                                                                   {"been", "be"},
+                                                                   {"being", "be"},
+                                                                   {"am", "be"},
+                                                                   {"tried", "try"},
+                                                                   {"tries", "try"},
+                                                                   {"retried", "retry"},
+                                                                   {"carried", "carry"},
+                                                                   {"carries", "carry"},
+                                                                   {"stopped", "stop"},
+                                                                   {"stopping", "stop"},
+                                                                   {"putting", "put"},
+                                                                   {"setting", "set"},
+                                                                   {"grabbed", "grab"},
+                                                                   {"grabbing", "grab"},
+                                                                   {"dropped", "drop"},
+                                                                   {"dropping", "drop"},
+                                                                   {"getting", "get"},
+                                                                   {"gripped", "grip"},
+                                                                   {"spotted", "spot"},
+                                                                   {"laid", "lay"},
+                                                                   {"left", "left"},
+                                                                   {"leaving", "leave"},
+                                                                   {"ran", "run"},
+                                                                   {"running", "run"},
+                                                                   {"goes", "go"},
+                                                                   {"forgot", "forget"},
+                                                                   {"things", "thing"},
+                                                                   {"objects", "object"},
+                                                                   {"happened", "happen"},
+                                                                   {"happening", "happen"},
+                                                                   {"worked", "work"},
+                                                                   {"working", "work"},
+                                                                   {"needed", "need"},
+                                                                   {"asked", "ask"},
+                                                                   {"stuck", "stuck"},
+                                                                   {"wrong", "wrong"},
+                                                                   {"this", "this"},
+                                                                   {"his", "his"},
+                                                                   {"times", "time"},
+                                                                   {"failure", "fail"},
+                                                                   {"failures", "fail"},
+                                                                   {"success", "succeed"},
+                                                                   {"successful", "succeed"},
+                                                                   {"successfully", "succeed"},
+                                                                   {"unsuccessful", "fail"},
+                                                                   {"unsuccessfully", "fail"},
+                                                                   {"picking", "pick"},
+                                                                   {"grasp", "grasp"},
+                                                                   {"moved", "move"},
+                                                                   {"managed", "manage"},
+                                                                   {"lying", "lie"},
+                                                                   {"lay", "lay"},
+                                                                   {"sat", "sit"},
+                                                                   {"used", "use"},
+                                                                   {"using", "use"},
+                                                                   {"placed", "place"},
+                                                                   {"placing", "place"},
+                                                                   {"seeing", "see"},
+                                                                   {"lifted", "lift"},
+                                                                   {"thought", "think"},
+                                                                   {"knew", "know"},
+                                                                   {"interrupted", "interrupt"},
+                                                                   {"achieved", "achieve"},
+                                                                   {"during", "during"},
+                                                                   {"nothing", "nothing"},
+                                                                   {"something", "something"},
+                                                                   {"anything", "anything"},
+                                                                   {"everything", "everything"},
+                                                                   {"morning", "morning"},
+                                                                   {"evening", "evening"},
+                                                                   {"always", "always"},
+                                                                   {"was", "be"},
+                                                                   {"perhaps", "perhaps"},
+                                                                   {"yes", "yes"},
+                                                                   {"us", "us"},
+                                                                   {"as", "as"},
+                                                                   {"bring", "bring"},
+                                                                   {"thing", "thing"},
+                                                                   {"red", "red"},
+                                                                   {"need", "need"},
+                                                                   {"bed", "bed"},
+                                                                   {"speed", "speed"},
+                                                                   {"hundred", "hundred"},
+                                                                   {"indeed", "indeed"},
+                                                                   {"does", "do"},
+                                                                   {"less", "less"},
+                                                                   {"across", "across"},
+                                                                   {"else", "else"},
+                                                                   {"glass", "glass"},
+                                                                   {"across", "across"}};
+  return kForms;
+}
+
+/// Whether letters that are no English ones are part of the text.
+bool is_foreign(char32_t code) {
+  // Accents of names and foreign words in English end with Latin Extended-A.
+  return code > 0x17F && !(code >= 0x2000 && code <= 0x206F) && code != 0x20AC;
+}
+
+bool is_word_sign(std::string_view text, size_t at) {
+  const char c = text[at];
+  if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || static_cast<unsigned char>(c) >= 0x80)
+    return true;
+  if (at == 0 || at + 1 >= text.size()) return false;
+  const auto is_digit = [&](size_t index) { return text[index] >= '0' && text[index] <= '9'; };
+  const auto is_letter = [&](size_t index) { return text[index] >= 'a' && text[index] <= 'z'; };
+  // 8:05:12.5 and 2026-01-02 are words, and so is "didn't"; "pick-up" is two.
+  if (c == ':' || c == '.' || c == '-') return is_digit(at - 1) && is_digit(at + 1);
+  return c == '\'' && is_letter(at - 1) && is_letter(at + 1);
+}
+
+/// Control characters are spaces, curly quotes straight ones.
+Result<std::string> plain_text(std::string_view question) {
+  std::string plain;
+  size_t letters = 0;
+  size_t foreign = 0;
+  while (!question.empty()) {
+    const Utf8Character character = first_character(question);
+    if (character.bytes == 0) return invalid_argument("the question is no text");
+    const char32_t code = character.code;
+    if (code == 0x2018 || code == 0x2019 || code == 0x2BC || code == 0x60)
+      plain += '\'';
+    else if (code < 0x20 || code == 0x7F || (code >= 0x2000 && code <= 0x206F))
+      plain += ' ';
+    else
+      plain += question.substr(0, character.bytes);
+    if (is_foreign(code)) ++foreign;
+    if (code >= 'A') ++letters;
+    question.remove_prefix(character.bytes);
+  }
+  if (foreign > 0 && foreign * 4 > letters)
+    return invalid_argument("I understand questions in English only");
+  return plain;
+}
+
+std::string written_out(const std::string& word) {
+  for (const Respelled& respelled : kContractions)
+    if (word == respelled.given) return std::string(respelled.written);
+  for (const Respelled& ending : kEndings)
+    if (word.size() > ending.given.size() && word.ends_with(ending.given))
+      return word.substr(0, word.size() - ending.given.size()) + std::string(ending.written);
+  // "the robot's plan"
+  if (word.ends_with("'s")) return word.substr(0, word.size() - 2);
+  return word;
+}
+
+}  // namespace
+
+Result<std::vector<QuestionWord>> split_words(std::string_view question) {
+  if (question.size() > kMaxQuestionBytes)
+    return invalid_argument("the question has {} bytes, and I read at most {}", question.size(),
+                            kMaxQuestionBytes);
+  ENGRAM_ASSIGN_OR_RETURN(const std::string plain, plain_text(question));
+  const std::string lower = lower_ascii(plain);
+  std::vector<QuestionWord> words;
+  bool begins = true;
+  for (size_t at = 0; at < lower.size();) {
+    if (!is_word_sign(lower, at)) {
+      const char sign = lower[at++];
+      const bool ends_sentence = sign == '.' || sign == '?' || sign == '!' || sign == ';';
+      if (ends_sentence) begins = true;
+      if ((ends_sentence || sign == ',' || sign == ':') && !words.empty())
+        words.back().ends_clause = true;
+      continue;
+    }
+    const size_t begin = at;
+    while (at < lower.size() && is_word_sign(lower, at)) ++at;
+    const std::string given = plain.substr(begin, at - begin);
+    const bool is_capital = given.front() >= 'A' && given.front() <= 'Z' && given.size() > 1 &&
+                            given[1] >= 'a' && given[1] <= 'z';
+    std::string written = written_out(lower.substr(begin, at - begin));
+    for (size_t part = 0; part <= written.size();) {
+      const size_t end = std::min(written.find(' ', part), written.size());
+      words.push_back({written.substr(part, end - part), given, begins, is_capital, false});
+      begins = false;
+      part = end + 1;
+    }
+    if (words.size() > kMaxQuestionWords)
+      return invalid_argument("the question has more than {} words", kMaxQuestionWords);
+  }
+  if (words.empty()) return invalid_argument("there is no question");
+  words.back().ends_clause = true;
+  return words;
+}
+
+std::string lemma_of(const std::string& word) {
+  const auto& forms = irregular_forms();
+  if (const auto found = forms.find(word); found != forms.end()) return std::string(found->second);
+  const auto without = [&](size_t count) { return word.substr(0, word.size() - count); };
+  const auto is_doubled = [](const std::string& stem) {
+    return stem.size() > 2 && stem.back() == stem[stem.size() - 2] && stem.back() != 's' &&
+           stem.back() != 'l';
+  };
+  const auto needs_e = [](const std::string& stem) {
+    constexpr std::array<std::string_view, 12> kStems{"mov",    "plac",  "clos",   "us",
+                                                      "driv",   "tak",   "handl",  "leav",
+                                                      "observ", "notic", "releas", "wip"};
+    return std::find(kStems.begin(), kStems.end(), stem) != kStems.end();
+  };
+  const auto stem_of = [&](std::string stem) {
+    if (is_doubled(stem)) stem.pop_back();
+    if (needs_e(stem) || stem.ends_with("cat") || stem.ends_with("ipulat")) stem += 'e';
+    return stem;
+  };
+  if (word.size() > 5 && word.ends_with("ing")) return stem_of(without(3));
+  if (word.size() > 4 && word.ends_with("ied")) return without(3) + "y";
+  if (word.size() > 4 && word.ends_with("ed")) return stem_of(without(2));
+  if (word.size() > 4 && word.ends_with("ies")) return without(3) + "y";
+  if (word.size() > 4 && (word.ends_with("ches") || word.ends_with("shes"))) return without(2);
+  if (word.size() > 3 && word.ends_with("s") && !word.ends_with("ss") && !word.ends_with("us"))
+    return without(1);
+  return word;
+}
+
+int number_named(std::string_view word) {
+  constexpr std::array<std::string_view, 21> kNumbers{
+      "zero",     "one",     "two",     "three",     "four",     "five",     "six",
+      "seven",    "eight",   "nine",    "ten",       "eleven",   "twelve",   "thirteen",
+      "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen", "twenty"};
+  constexpr std::array<std::pair<std::string_view, int>, 7> kMore{{{"thirty", 30},
+                                                                   {"forty", 40},
+                                                                   {"fifty", 50},
+                                                                   {"sixty", 60},
+                                                                   {"a", 1},
+                                                                   {"an", 1},
+                                                                   {"ninety", 90}}};
+  for (size_t i = 0; i < kNumbers.size(); ++i)
+    if (word == kNumbers.at(i)) return static_cast<int>(i);
+  for (const auto& [name, number] : kMore)
+    if (word == name) return number;
+  int number = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+  return error == std::errc() && end == word.data() + word.size() && number >= 0 &&
+                 number <= 1'000'000
+             ? number
+             : -1;
+}
+
+int letters_apart(std::string_view a, std::string_view b, int max) {
+  const auto length = [](std::string_view text) { return static_cast<int>(text.size()); };
+  if (std::abs(length(a) - length(b)) > max) return max + 1;
+  // Optimal string alignment; words are short.
+  std::vector<std::vector<int>> cost(a.size() + 1, std::vector<int>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i) cost[i][0] = static_cast<int>(i);
+  for (size_t j = 0; j <= b.size(); ++j) cost[0][j] = static_cast<int>(j);
+  for (size_t i = 1; i <= a.size(); ++i)
+    for (size_t j = 1; j <= b.size(); ++j) {
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1,
+                             cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return std::min(cost[a.size()][b.size()], max + 1);
+}
+
+}  // namespace engram::speech
