@@ -30,6 +30,8 @@ constexpr const char* kMainFooter = R"(Examples:
   engram view robot.engram --open
   engram query robot.engram 'Vision/RGB/head/cam @ latest:3' --save answers
   engram query robot.engram 'Vision/RGB/head/cam @ +200ms'
+  engram ask kitchen.engram 'Where have you seen the salt?'
+  engram tell kitchen.engram --since yesterday
   engram ls robot.engram Vision/RGB/head/cam
   engram export robot.engram 'Vision @ all' --to mp4 -o videos
   engram models robot.engram
@@ -102,6 +104,8 @@ struct Program {
     add_ls_command(app, exit_code);
     add_view_command(app, exit_code);
     add_query_command(app, exit_code);
+    add_ask_command(app, exit_code);
+    add_tell_command(app, exit_code);
     add_similar_command(app, exit_code);
     add_why_salient_command(app, exit_code);
     add_reflect_command(app, exit_code);
