@@ -222,6 +222,8 @@ Result<std::optional<RobotState>> KnownFacts::robot_at(Time time) {
 }
 
 Result<std::optional<KnownFacts::Way>> KnownFacts::way_of_robot(Time from, Time to) {
+  const auto known = ways_.find({from, to});
+  if (known != ways_.end()) return std::optional(known->second);
   for (const ltm::MemoryId& robot : reader_->robots_) {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
                             reader_->query(robot, ltm::select::TimeRange{from, to}));
@@ -237,6 +239,9 @@ Result<std::optional<KnownFacts::Way>> KnownFacts::way_of_robot(Time from, Time 
     }
     way.ends = {robot.at(states->snapshots.front().time).instance(0),
                 robot.at(states->snapshots.back().time).instance(0)};
+    // What is past does not change. A memory of years has many drives, so some are forgotten.
+    if (ways_.size() >= kMaxWays) ways_.clear();
+    if (to < last_moment()) ways_[{from, to}] = way;
     return std::optional(std::move(way));
   }
   return std::optional<Way>();

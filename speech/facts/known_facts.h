@@ -104,7 +104,10 @@ class KnownFacts {
  private:
   explicit KnownFacts(std::unique_ptr<FactsReader> reader);
 
+  static constexpr size_t kMaxWays = 10'000;
+
   std::unique_ptr<FactsReader> reader_;
+  std::map<std::pair<Time, Time>, Way> ways_;  ///< That were asked for.
 };
 
 }  // namespace engram::speech

@@ -26,6 +26,7 @@ constexpr std::string_view kGrammarLemmas =
     "directly immediately just then now stand robot you yourself task job plan step action "
     "activity order from to into onto on in at off with without under of by for down up over "
     "out back near beside next and or touch handle manipulate move bring transport shift relocate "
+    "drop slower faster quicker free gripper hands goes cover repeat deal surface "
     "location position whereabouts place reason cause purpose instead otherwise else go wrong "
     "count number total different distinct person human people summary summarize summarise "
     "describe report "
@@ -96,164 +97,6 @@ const std::set<std::string>& fillers() {
   return kWords;
 }
 
-/// A sequence of words, and the one that stands for it.
-struct Phrase {
-  std::string_view words;
-  std::string_view by;
-};
-
-/// The first that fits is taken, so longer ones stand first.
-constexpr std::array<Phrase, 68> kPhrases{{
-    {"all of a sudden", "suddenly"},
-    {"been up to", "been doing"},
-    {"get up to", "do"},
-    {"got up to", "did"},
-    {"most recently", "last"},
-    {"the most recent", "the last"},
-    {"for what reason", "why"},
-    {"for which reason", "why"},
-    {"what is the reason for", "why"},
-    {"what is the reason", "why"},
-    {"what was the reason for", "why"},
-    {"what was the reason", "why"},
-    {"what were the reasons", "why"},
-    {"what is the reason behind", "why"},
-    {"what was the cause of", "why"},
-    {"the reason why", "why"},
-    {"the reason for", "why"},
-    {"the reason", "why"},
-    {"what caused you to", "why"},
-    {"what caused", "why"},
-    {"what made you", "why did you"},
-    {"what made", "why"},
-    {"what led you to", "why did you"},
-    {"how come", "why"},
-    {"what for", "why"},
-    {"to what end", "why"},
-    {"what was it that stopped", "why stop"},
-    {"what stopped", "why stop"},
-    {"what interrupted", "why stop"},
-    {"what kept you from", "why fail"},
-    {"what prevented you from", "why fail"},
-    {"at what time", "when"},
-    {"at which time", "when"},
-    {"what time", "when"},
-    {"what was the time", "when"},
-    {"at what point", "when"},
-    {"at which point", "when"},
-    {"what moment", "when"},
-    {"which moment", "when"},
-    {"how many times", "how_often"},
-    {"how many time", "how_often"},
-    {"how often", "how_often"},
-    {"the number of times", "how_often"},
-    {"number of times", "how_often"},
-    {"the number of", "how many"},
-    {"how many seconds ago", "how_ago"},
-    {"how many minutes ago", "how_ago"},
-    {"how long ago", "how_ago"},
-    {"how much time ago", "how_ago"},
-    {"how much time", "how_long"},
-    {"how many seconds", "how_long"},
-    {"how many minutes", "how_long"},
-    {"for how long", "how_long"},
-    {"how long", "how_long"},
-    {"how fast", "how_long"},
-    {"how quickly", "how_long"},
-    {"how many metres", "how_far"},
-    {"how many meters", "how_far"},
-    {"how much distance", "how_far"},
-    {"what distance", "how_far"},
-    {"which distance", "how_far"},
-    {"how far", "how_far"},
-    {"how large a distance", "how_far"},
-    {"in which place", "where"},
-    {"at which place", "where"},
-    {"what place", "where"},
-    {"which place", "where"},
-    {"whereabouts", "where"},
-}};
-
-/// Roundabout beginnings. What ends with '?' makes a question of what follows.
-constexpr std::array<std::string_view, 60> kPoliteBeginnings{"could you please tell me",
-                                                             "can you please tell me",
-                                                             "would you please tell me",
-                                                             "could you kindly tell me",
-                                                             "could you tell me please",
-                                                             "can you tell me please",
-                                                             "would you mind telling me",
-                                                             "do you happen to know",
-                                                             "do you happen to remember",
-                                                             "could you tell me",
-                                                             "can you tell me",
-                                                             "would you tell me",
-                                                             "will you tell me",
-                                                             "could you tell us",
-                                                             "can you tell us",
-                                                             "could you say",
-                                                             "can you say",
-                                                             "can you explain",
-                                                             "could you explain",
-                                                             "can you remember",
-                                                             "could you remember",
-                                                             "can you recall",
-                                                             "could you recall",
-                                                             "can you remind me",
-                                                             "could you remind me",
-                                                             "please remind me",
-                                                             "remind me",
-                                                             "do you remember",
-                                                             "do you recall",
-                                                             "do you know",
-                                                             "do you still know",
-                                                             "do you still remember",
-                                                             "i would like to know",
-                                                             "i did like to know",
-                                                             "i want to know",
-                                                             "i wanted to know",
-                                                             "i need to know",
-                                                             "i should like to know",
-                                                             "i wonder",
-                                                             "i am wondering",
-                                                             "i was wondering",
-                                                             "i am curious",
-                                                             "i am interested in",
-                                                             "please tell me",
-                                                             "pls tell me",
-                                                             "tell me please",
-                                                             "please let me know",
-                                                             "let me know",
-                                                             "please say",
-                                                             "please explain",
-                                                             "explain to me",
-                                                             "explain",
-                                                             "tell me again",
-                                                             "tell me",
-                                                             "tell us",
-                                                             "show me",
-                                                             "any idea",
-                                                             "say",
-                                                             "may i ask",
-                                                             "can i ask"};
-
-std::vector<std::string_view> parts_of_phrase(std::string_view phrase) {
-  std::vector<std::string_view> parts;
-  while (!phrase.empty()) {
-    const size_t end = std::min(phrase.find(' '), phrase.size());
-    parts.push_back(phrase.substr(0, end));
-    phrase.remove_prefix(std::min(end + 1, phrase.size()));
-  }
-  return parts;
-}
-
-bool is_phrase_at(const std::vector<QuestionWord>& words, size_t at,
-                  const std::vector<std::string_view>& phrase) {
-  if (at + phrase.size() > words.size()) return false;
-  for (size_t i = 0; i < phrase.size(); ++i)
-    if (words[at + i].text != phrase[i]) return false;
-  return true;
-}
-
 }  // namespace
 
 bool is_grammar_lemma(const std::string& lemma) {
@@ -282,45 +125,6 @@ const std::set<std::string>& english_spellings() {
     return spellings;
   }();
   return kSpellings;
-}
-
-bool take_politeness(std::vector<QuestionWord>& words) {
-  bool is_taken = false;
-  // Several may follow each other: "Hello robot, do you remember, could you tell me ...".
-  for (size_t at = 0; at < std::min<size_t>(words.size(), 12);) {
-    bool is_here = false;
-    // Only what nothing but a greeting precedes is a beginning.
-    if (at > 0 && !is_filler(words[at - 1].text)) break;
-    for (const std::string_view beginning : kPoliteBeginnings) {
-      const auto phrase = parts_of_phrase(beginning);
-      if (!is_phrase_at(words, at, phrase) || words.size() == at + phrase.size()) continue;
-      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
-                  words.begin() + static_cast<ptrdiff_t>(at + phrase.size()));
-      if (at < words.size()) words[at].begins_sentence = true;
-      is_here = is_taken = true;
-      break;
-    }
-    if (!is_here) ++at;
-  }
-  return is_taken;
-}
-
-void replace_phrases(std::vector<QuestionWord>& words) {
-  for (size_t at = 0; at < words.size(); ++at)
-    for (const Phrase& phrase : kPhrases) {
-      const auto parts = parts_of_phrase(phrase.words);
-      if (!is_phrase_at(words, at, parts)) continue;
-      const QuestionWord first = words[at];
-      const bool ends = words[at + parts.size() - 1].ends_clause;
-      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
-                  words.begin() + static_cast<ptrdiff_t>(at + parts.size()));
-      const auto by = parts_of_phrase(phrase.by);
-      for (size_t i = 0; i < by.size(); ++i)
-        words.insert(words.begin() + static_cast<ptrdiff_t>(at + i),
-                     QuestionWord{std::string(by[i]), first.given, i == 0 && first.begins_sentence,
-                                  false, ends && i + 1 == by.size()});
-      break;
-    }
 }
 
 }  // namespace engram::speech

@@ -133,7 +133,8 @@ Program program_of(const StrangeName& strange) {
 bool asks_for_future(const QuestionParts& parts) {
   const ClauseParts& main = parts.main;
   if (parts.times.is_future) return true;
-  if (main.has_any({"will", "shall", "should"})) return true;
+  if (main.has_any({"will", "shall"})) return true;
+  if (main.has("should") && !main.has_any({"say", "ask", "tell", "want"})) return true;
   return main.has_words({"going", "to"}) && (main.has("you") || main.has("robot")) &&
          !main.has("was") && !main.has("were");
 }
@@ -144,8 +145,10 @@ bool is_request(const QuestionParts& parts) {
   if (parts.asks == Asks::kWhether && main.has_any({"can", "could", "would"}) &&
       main.has_any({"you", "robot"}) && !main.has_any({"see", "have", "visible", "hold"}))
     return true;
-  if (parts.asks != Asks::kNothing || main.words.empty()) return false;
+  if (main.words.empty()) return false;
   const TaggedWord& first = main.words.front();
+  if (is_among_words(first.text, {"ignore", "forget", "bring", "pretend"})) return true;
+  if (parts.asks != Asks::kNothing) return false;
   const bool is_base = first.text == first.lemma;
   return (first.tag == WordTag::kVerb && is_base && !main.has("you")) ||
          is_among_words(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});

@@ -66,6 +66,10 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
       add("place");
       return true;
     }
+    if (lemma == "get" && !has_thing && leads_somewhere) {
+      add("drive");
+      return true;
+    }
     if (lemma == "take" || lemma == "get") return false;
     if (has_thing && (lemma == "bring" || lemma == "deliver")) {
       add("place");
@@ -82,12 +86,17 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
     if ((verb->lemma == "take" || verb->lemma == "get") && clause.verbs.size() > 1 &&
         clause.has_any({"how_long", "long", "longer", "it"}))
       continue;
-    if (verb->lemma == "take" && clause.has_any({"how_long", "longer"}) && !has_thing) continue;
+    if (verb->lemma == "take" && clause.has_any({"how_long", "longer", "longest", "shortest"}) &&
+        !has_thing)
+      continue;
     skills.push_back(skills_or_word(lexicon_, *verb));
   }
   for (const char* lemma : {"bring", "transport", "shift", "relocate", "transfer"})
     if (clause.verbs.empty() && clause.has(lemma)) carry(lemma);
   if (clause.verbs.empty() && clause.has("carry") && !clause.places.empty()) carry("carry");
+  if (clause.verbs.empty() && clause.has("carry") && clause.places.empty() &&
+      parts_.asks == Asks::kWhere)
+    add(clause.has("from") ? "pick" : "place");
   std::sort(skills.begin(), skills.end());
   skills.erase(std::unique(skills.begin(), skills.end()), skills.end());
   return any_of_names(skills);
@@ -126,6 +135,8 @@ GrammarRules::Found GrammarRules::moment_of_clause() const {
     return program.then(StepKind::kLast).then(StepKind::kWhen);
   }
   program = executions_of(told);
+  if (told.things.empty() && told.has_any({"it", "them", "that"}) && !main_.things.empty())
+    program.with(FilterKey::kThing, any_of_names(main_.things));
   if (told.has_any({"fail", "unable", "not", "wrong"}))
     program.with(FilterKey::kOutcome, "failure");
   else if (told.has_any({"stop", "interrupt", "halt"}))
@@ -216,10 +227,12 @@ bool GrammarRules::asks_about_words() const {
 
 bool GrammarRules::asks_about_holding() const {
   if (main_.has_any({"hold", "carry", "keep"})) return true;
-  const bool in_hand = main_.has_words({"in", "hand"}) || main_.has_words({"in", "your", "hand"}) ||
-                       main_.has_words({"in", "your", "gripper"}) ||
-                       main_.has_words({"in", "your", "hands"});
-  return in_hand || main_.has("possess");
+  // "in your right hand"
+  for (size_t at = 0; at < main_.words.size(); ++at)
+    for (size_t next = at + 1;
+         main_.words[at].text == "in" && next < main_.words.size() && next < at + 4; ++next)
+      if (main_.words[next].lemma == "hand" || main_.words[next].lemma == "gripper") return true;
+  return main_.has("possess");
 }
 
 bool GrammarRules::asks_about_attempts() const {

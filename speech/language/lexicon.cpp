@@ -66,6 +66,9 @@ void Lexicon::add_things(const KnownFacts& facts) {
 void Lexicon::add_persons_and_hands(const KnownFacts& facts) {
   for (const SpokenWords& words : facts.words())
     if (!words.speaker.empty()) add(words.speaker, NameKind::kPerson, words.speaker);
+  // A hand that was never used is a hand all the same: these are English words for sides.
+  add("left", NameKind::kHand, "left");
+  add("right", NameKind::kHand, "right");
   for (const Execution& execution : facts.executions())
     if (!execution.hand.empty()) add(execution.hand, NameKind::kHand, execution.hand);
 }

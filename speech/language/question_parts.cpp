@@ -92,8 +92,22 @@ std::optional<SubordinateClause> take_clause(TaggedWords& words) {
   return {};
 }
 
+/// A word that tells of an event or of what it is about.
+bool is_of_clause(const TaggedWord& word) {
+  return word.tag == WordTag::kThing || word.tag == WordTag::kPlace ||
+         word.tag == WordTag::kSkill ||
+         (word.tag == WordTag::kVerb && word.lemma != "take" && word.lemma != "need");
+}
+
 /// What a clause asks for; a question word that asks more than that something is comes first.
 Asks asked_for(const TaggedWords& words, bool is_indirect) {
+  // "Was it the right hand with which you ..." asks whether.
+  size_t begin = 0;
+  while (begin + 1 < words.size() &&
+         is_word(words[begin], {"so", "and", "well", "but", "ok", "okay", "hey", "hello", "hi",
+                                "robot", "please", "then", "now", "um", "oh"}))
+    ++begin;
+  if (!is_indirect && is_auxiliary(words[begin])) return Asks::kWhether;
   Asks found = Asks::kNothing;
   for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
     found = asked_by(words, at);
@@ -103,9 +117,33 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
         return is_word(word, {"if", "whether"});
       }))
     return Asks::kWhether;
+  // "Is it true that you picked up the salt?"
+  if (is_indirect && words.front().text == "you") return Asks::kWhether;
   for (size_t at = 0; at < words.size(); ++at)
     if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return Asks::kWhether;
+  // "You picked up the salt?"
+  const auto is_of_you = [](const TaggedWord& word) { return word.text == "you"; };
+  if (std::any_of(words.begin(), words.end(), is_of_you) &&
+      std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+        return word.tag == WordTag::kVerb || word.tag == WordTag::kSkill;
+      }))
+    return Asks::kWhether;
   return Asks::kNothing;
+}
+
+/// Whether a main clause asks of the very event that its subordinate clause tells of: "Why were you
+/// stopped while picking up the tea?", and not where the robot was or what it did then.
+bool asks_of_clause(const TaggedWords& main, Asks asks) {
+  if (std::any_of(main.begin(), main.end(), is_of_clause)) return false;
+  const auto has = [&](std::initializer_list<std::string_view> lemmas) {
+    return std::any_of(main.begin(), main.end(), [&](const TaggedWord& word) {
+      return std::find(lemmas.begin(), lemmas.end(), word.lemma) != lemmas.end();
+    });
+  };
+  if (asks == Asks::kWhy || asks == Asks::kHowLong || asks == Asks::kHowFar) return true;
+  if (has({"hold", "carry", "see", "be"}) && asks == Asks::kWhere) return false;
+  if (asks == Asks::kWhat && has({"happen"})) return true;
+  return has({"hand", "arm", "gripper", "distance", "duration", "fail"});
 }
 
 std::vector<TaggedWords> sentences_of(const TaggedWords& words) {
@@ -132,14 +170,14 @@ size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
       if (asked_by(sentences[i], at) != Asks::kNothing) return i;
   // "The salt, please. Thanks." Whatever has most names.
   size_t best = sentences.size() - 1;
-  size_t most_names = 0;
+  size_t max_names = 0;
   for (size_t i = sentences.size(); i-- > 0;) {
     const auto names = static_cast<size_t>(
         std::count_if(sentences[i].begin(), sentences[i].end(), [](const TaggedWord& word) {
           return word.tag != WordTag::kFiller && word.tag != WordTag::kUnknown;
         }));
-    if (names <= most_names) continue;
-    most_names = names;
+    if (names <= max_names) continue;
+    max_names = names;
     best = i;
   }
   return best;
@@ -206,7 +244,11 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   const size_t asking = asking_sentence(sentences);
   TaggedWords main = sentences[asking];
   auto beside = take_clause(main);
-  const Asks asks = asked_for(main, is_indirect);
+  const Asks asks = main.empty() ? Asks::kNothing : asked_for(main, is_indirect);
+  if (beside && beside->link == ClauseLink::kWhile && asks_of_clause(main, asks)) {
+    main.insert(main.end(), beside->parts.words.begin(), beside->parts.words.end());
+    beside.reset();
+  }
   QuestionParts parts(asks, ClauseParts(std::move(main)));
   if (beside) parts.beside.emplace(std::move(*beside));
   parts.times = std::move(times);

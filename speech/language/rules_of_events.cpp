@@ -8,17 +8,25 @@ GrammarRules::Found GrammarRules::instead() {
   const bool is_would = main_.has("would") && main_.has("have");
   const bool is_instead = main_.has_any({"otherwise", "unless"}) ||
                           (main_.has("if") && main_.has("not") && main_.has("have"));
-  const bool is_left = main_.has_any({"left", "remain", "rest", "intend", "intention"}) &&
-                       main_.has_any({"plan", "step", "task", "do"}) && asks_about_stop();
+  const bool is_cut_off =
+      asks_about_stop() ||
+      (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt", "halt", "fail"}));
+  const bool is_left =
+      is_cut_off && (main_.has_any({"left", "leave", "remain", "rest", "intend", "intention",
+                                    "plan", "next", "else", "still"}) ||
+                     main_.has_words({"going", "to", "do"}));
   const bool is_next =
       main_.has("next") && (main_.has("plan") || main_.has("intend")) && is_of_robot();
   if (!is_would && !is_instead && !is_left && !is_next) return {};
   Program program{ProgramSource::kExecutions, {}, {}};
   add_thing(program);
-  add_times(program);
+  if (!parts_.beside) add_times(program);
+  const bool is_stop =
+      asks_about_stop() || (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"}));
   const bool is_failure = asks_about_failure() ||
+                          (parts_.beside && parts_.beside->parts.has("fail")) ||
                           main_.has_any({"fall", "lose", "succeed", "drop", "work", "go wrong"});
-  program.with(FilterKey::kOutcome, asks_about_stop()  ? "stop"
+  program.with(FilterKey::kOutcome, is_stop            ? "stop"
                                     : is_failure       ? "failure"
                                     : main_.has("say") ? "stop"
                                                        : "problem");
@@ -48,7 +56,7 @@ GrammarRules::Found GrammarRules::who() {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
     add_moment(program);
-    program.with(FilterKey::kIsHeld, "yes");
+    if (thing().empty()) program.with(FilterKey::kIsHeld, "yes");
     return program.then(StepKind::kHolder);
   }
   const bool is_for = main_.has_any({"for", "behalf", "because"});
@@ -76,11 +84,14 @@ GrammarRules::Found GrammarRules::who() {
 }
 
 GrammarRules::Found GrammarRules::why() {
-  if (parts_.asks != Asks::kWhy) return {};
+  // "What did you go to the table for?"
+  const bool is_what_for = parts_.asks == Asks::kWhat && main_.words.back().text == "for" &&
+                           main_.has_verb() && (!main_.places.empty() || !main_.things.empty());
+  if (parts_.asks != Asks::kWhy && !is_what_for) return {};
   Program program = executions();
-  const bool is_again =
-      main_.has_any({"again", "twice", "retry"}) || main_.has_words({"second", "time"}) ||
-      main_.has_words({"another", "attempt"}) || main_.has_words({"second", "attempt"});
+  const bool is_again = main_.has_any({"again", "twice", "retry", "repeat"}) ||
+                        main_.has_words({"second", "time"}) || main_.has_words({"second", "try"}) ||
+                        main_.has_words({"second", "attempt"});
   if (is_again) {
     program.with(FilterKey::kOutcome, "problem");
     return program.then(StepKind::kFirst).then(StepKind::kReason);
@@ -181,10 +192,12 @@ GrammarRules::Found GrammarRules::amounts() {
       (parts_.asks == Asks::kWhat && main_.has("duration"))) {
     Program program = executions();
     if (program.filters.empty() && !has_order()) return {};
-    add_order(program, StepKind::kLast);
+    if (!main_.has_any({"altogether", "total", "overall"})) add_order(program, StepKind::kLast);
     return program.then(StepKind::kHowLong);
   }
   if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
+    // How far away something is was never measured.
+    if (!is_of_robot() && !main_.has_verb()) return {};
     Program program = executions();
     if (program.find(FilterKey::kSkill) == nullptr)
       if (const SkillVerb* verb = verb_of_skill("drive"))
@@ -202,7 +215,9 @@ GrammarRules::Found GrammarRules::amounts() {
     program.with(FilterKey::kOutcome, asks_about_stop() ? "stop" : "failure");
     return program.then(StepKind::kCount);
   }
-  const bool is_of_words = asks_about_words() && !main_.has_verb();
+  const bool is_of_words =
+      asks_about_words() &&
+      (!main_.has_verb() || main_.has_any({"request", "command", "order", "instruction"}));
   if (is_of_words) {
     Program program{main_.has_any({"say", "speak", "talk", "word"}) ? ProgramSource::kWords
                                                                     : ProgramSource::kPlans,
@@ -222,6 +237,9 @@ GrammarRules::Found GrammarRules::amounts() {
     return program.then(StepKind::kCount);
   }
   const bool is_of_things = main_.has_any({"thing", "object", "item", "stuff"});
+  if (!is_often && is_of_things && main_.has_any({"handle", "touch", "manipulate"}) &&
+      !main_.has_verb())
+    return executions().then(StepKind::kHowMany, "thing");
   if (!is_often && is_of_things && !main_.has_verb() && skills_of(main_).empty()) {
     Program program{ProgramSource::kThings, {}, {}};
     add_places(program);
@@ -233,6 +251,11 @@ GrammarRules::Found GrammarRules::amounts() {
     return program.then(StepKind::kCount);
   }
   Program program = executions();
+  // Who was at a place has driven there.
+  if (program.find(FilterKey::kSkill) == nullptr && thing().empty() && !main_.places.empty())
+    if (const SkillVerb* verb = verb_of_skill("drive"))
+      if (const std::string driving = lexicon_.skills_of(*verb); !driving.empty())
+        program.with(FilterKey::kSkill, driving);
   if (!is_often && is_of_things && !asks_about_attempts()) {
     program.with(FilterKey::kOutcome, "success");
     return program.then(StepKind::kHowMany, "thing");
@@ -245,14 +268,24 @@ GrammarRules::Found GrammarRules::amounts() {
 }
 
 GrammarRules::Found GrammarRules::which() {
-  const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat;
+  // "Did you pick up the salt or the tea first?"
+  if (main_.things.size() > 1 && main_.has("or") && main_.has_verb() &&
+      !main_.has_any({"longer", "slower", "faster", "quicker", "than"}) &&
+      (parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || has_order())) {
+    Program program = executions();
+    add_order(program, {});
+    return program.then(StepKind::kWhich, "thing");
+  }
+  const bool is_either = (parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing) &&
+                         main_.hands.size() > 1 && main_.has("or");
+  const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || is_either;
   if (main_.has_any({"hand", "arm", "gripper"}) && is_which &&
       !main_.has_words({"in", "your", "hand"}) && !main_.has_words({"in", "your", "hands"})) {
     if (asks_about_holding() && !main_.has_verb()) {
       Program program{ProgramSource::kThings, {}, {}};
       add_thing(program);
       add_moment(program);
-      program.with(FilterKey::kIsHeld, "yes");
+      if (thing().empty()) program.with(FilterKey::kIsHeld, "yes");
       return program.then(StepKind::kHolder);
     }
     Program program = executions();
@@ -264,6 +297,11 @@ GrammarRules::Found GrammarRules::which() {
   }
   if (parts_.asks == Asks::kHow && main_.hands.empty() && main_.has("hand")) return {};
   if (!is_which || asks_about_words() || asks_about_sight() || asks_about_holding()) return {};
+  const bool is_of_thing = main_.has_any({"thing", "object", "item"}) || parts_.asks == Asks::kWhat;
+  if (is_of_thing && !main_.has_verb() && thing().empty() &&
+      (main_.has_any({"handle", "touch", "manipulate", "deal"}) ||
+       (main_.has("action") && main_.has("about"))))
+    return executions().then(StepKind::kWhich, "thing");
   if (asks_about_failure() || asks_about_stop()) {
     const bool is_thing = main_.has_any({"thing", "object", "item"}) && main_.has_verb() &&
                           (main_.has("you") || main_.has("robot"));
@@ -293,12 +331,15 @@ GrammarRules::Found GrammarRules::what() {
   const bool is_narration = main_.has_any({"summarize", "summarise", "summary", "describe",
                                            "report", "narrate", "recap", "list", "story"}) ||
                             (parts_.asks == Asks::kNothing && main_.has("about")) ||
-                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be"));
+                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be")) ||
+                            (parts_.asks == Asks::kHow && main_.has("go") && main_.has("it"));
   const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
                        (parts_.asks == Asks::kNothing &&
                         (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
   if (!is_what) return {};
-  const bool is_of_words = asks_about_words() && !main_.has("about") &&
+  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && has_order() &&
+                          !main_.has("did") && !main_.has_verb();
+  const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
   if (is_of_words) {
     const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||
@@ -321,9 +362,19 @@ GrammarRules::Found GrammarRules::what() {
     if (has_order()) add_order(program, {});
     return program.then(StepKind::kEvents);
   }
+  // "What were you doing when you were stopped?"
+  if (parts_.beside && parts_.beside->link == ClauseLink::kWhile && main_.has("do") &&
+      parts_.beside->parts.has_any({"stop", "interrupt", "fail"}) &&
+      !parts_.beside->parts.has("say")) {
+    Program program = executions_of(parts_.beside->parts);
+    program.with(FilterKey::kOutcome, parts_.beside->parts.has("fail") ? "failure" : "stop");
+    return program.then(StepKind::kLast).then(StepKind::kEvents);
+  }
   const bool is_of_doing =
+      main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}) ||
+      (asks_about_success() && thing().empty()) ||
       main_.has_any({"do", "happen", "occur", "action", "activity", "task", "work", "job", "busy",
-                     "step", "event", "accomplish", "achieve"}) ||
+                     "step", "event", "accomplish", "achieve", "longest", "shortest"}) ||
       is_narration;
   if (!is_of_doing) return {};
   // What was done right beside something else is the one action there.
@@ -336,9 +387,16 @@ GrammarRules::Found GrammarRules::what() {
       return moment->then(StepKind::kEvents);
     }
   }
+  if (main_.has_any({"longest", "shortest", "slowest", "quickest", "fastest"}) &&
+      !main_.has("did")) {
+    Program program = executions();
+    add_order(program, {});
+    return program.then(StepKind::kEvents);
+  }
   Program program = executions();
   if (parts_.times.is_now && parts_.times.empty()) program.with(FilterKey::kAt, "now");
-  if (asks_about_success()) program.with(FilterKey::kOutcome, "success");
+  if (asks_about_success() || main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}))
+    program.with(FilterKey::kOutcome, "success");
   const bool needs_place = main_.has("be") || main_.has("do");
   if (program.find(FilterKey::kPlace) != nullptr && !needs_place) return {};
   if (has_order()) add_order(program, {});

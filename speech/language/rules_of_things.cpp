@@ -42,6 +42,9 @@ GrammarRules::Found GrammarRules::where() {
       add_order(program, StepKind::kLast);
       return program.then(StepKind::kFrom);
     }
+    const bool is_right_after = parts_.beside && parts_.beside->link == ClauseLink::kAfter;
+    if (is_drive && is_right_after && !has_order())
+      return program.then(StepKind::kFirst).then(StepKind::kWhere);
     if (is_drive && thing().empty() && !has_order()) return program.then(StepKind::kWhere);
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kWhere);
@@ -76,7 +79,8 @@ GrammarRules::Found GrammarRules::on_place() {
   if (asks_about_sight()) return seeing();
   const bool is_there =
       main_.has_any({"be", "stand", "lie", "sit", "there", "lay", "keep", "have"});
-  if (main_.places.empty() || !is_there || main_.has("you") || main_.has_verb() ||
+  const bool is_named = main_.has_any({"thing", "object", "item"}) && main_.has("on");
+  if (main_.places.empty() || (!is_there && !is_named) || main_.has("you") || main_.has_verb() ||
       main_.has_any({"do", "happen"}))
     return {};
   Program program{ProgramSource::kThings, {}, {}};

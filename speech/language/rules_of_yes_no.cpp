@@ -52,6 +52,8 @@ GrammarRules::Found GrammarRules::compared() {
 }
 
 GrammarRules::Found GrammarRules::whether() {
+  if (parts_.asks == Asks::kNothing && main_.has_any({"everything", "all"}))
+    return whether_failed();
   if (parts_.asks != Asks::kWhether) return {};
   if (Found found = whether_failed()) return found;
   if (Found found = robot_at()) return found;
@@ -60,7 +62,7 @@ GrammarRules::Found GrammarRules::whether() {
   const std::string skills = skills_of(main_);
   if (skills.empty() && thing().empty() && main_.places.empty() && main_.hands.empty()) {
     // "Did you do anything yesterday?"
-    if (!main_.has("do") || !is_of_robot() || !main_.has_any({"anything", "something"})) return {};
+    if (!main_.has_words({"do", "anything"}) && !main_.has_words({"do", "something"})) return {};
     return executions().then(StepKind::kExists);
   }
   if (skills.empty() && main_.hands.empty()) {
@@ -70,6 +72,11 @@ GrammarRules::Found GrammarRules::whether() {
     return {};
   }
   Program program = executions();
+  // "Was the second grasp successful?"
+  if (has_order() && (asks_about_success() || main_.has("work"))) {
+    add_order(program, {});
+    return program.then(StepKind::kSucceeded);
+  }
   // What was begun and failed was not done; whoever asks about trying wants to know of it.
   const bool is_going_on =
       parts_.times.at || (parts_.beside && parts_.beside->link == ClauseLink::kWhile);
@@ -79,21 +86,19 @@ GrammarRules::Found GrammarRules::whether() {
 
 /// Whether something went wrong, was stopped, or was tried again.
 GrammarRules::Found GrammarRules::whether_failed() {
-  const bool is_again = main_.has_any({"again", "retry"}) ||
+  const bool is_again = main_.has_any({"again", "retry", "repeat"}) ||
                         main_.has_words({"second", "attempt"}) ||
-                        main_.has_words({"second", "try"}) || main_.has_words({"another", "try"}) ||
-                        main_.has_words({"another", "attempt"}) ||
-                        main_.has_words({"another", "go"}) || main_.has_words({"give", "up"});
+                        main_.has_words({"second", "try"});
   if (is_again) {
-    const bool gave_up = main_.has_words({"give", "up"});
     Program program = executions();
-    std::erase_if(program.filters, [](const ProgramFilter& filter) {
-      return filter.key == FilterKey::kAfter && filter.value.program != nullptr;
-    });
+    std::erase_if(program.filters,
+                  [](const ProgramFilter& filter) { return filter.value.program != nullptr; });
     if (program.find(FilterKey::kThing) == nullptr && parts_.beside &&
         !parts_.beside->parts.things.empty())
       program.with(FilterKey::kThing, any_of_names(parts_.beside->parts.things));
-    if (gave_up) return {};
+    if (program.find(FilterKey::kSkill) == nullptr && parts_.beside)
+      if (std::string skills = skills_of(parts_.beside->parts); !skills.empty())
+        program.with(FilterKey::kSkill, std::move(skills));
     program.with(FilterKey::kOutcome, "problem");
     return program.then(StepKind::kRetried);
   }
@@ -104,7 +109,7 @@ GrammarRules::Found GrammarRules::whether_failed() {
   if ((is_all && is_well && !asks_about_failure()) || has_no_problem ||
       (main_.has("go") && is_well && !main_.has_verb())) {
     Program program = executions();
-    program.with(FilterKey::kOutcome, is_all && main_.has("succeed") ? "problem" : "problem");
+    program.with(FilterKey::kOutcome, "problem");
     return program.then(StepKind::kNone);
   }
   if (asks_about_stop()) {
@@ -124,6 +129,8 @@ GrammarRules::Found GrammarRules::whether_asked() {
   const bool is_of_words = main_.has_any(
       {"ask", "tell", "say", "speak", "talk", "request", "order", "command", "want", "instruct"});
   if (!is_of_words) return {};
+  // Whether all was done that somebody asked for is more than whether somebody asked.
+  if (main_.has_any({"what", "everything", "all", "which"})) return {};
   const bool is_said =
       main_.has_any({"say", "speak", "talk"}) || (main_.has("tell") && asks_about_stop());
   Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
@@ -158,13 +165,15 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
     return program.then(StepKind::kExists);
   }
   if (main_.has_verb() && !skills_of(main_).empty()) return {};
-  if (asks_about_holding() || (main_.has("have") && !main_.has("did") && main_.has("hand"))) {
+  const bool is_of_empty_hand =
+      main_.has_any({"hand", "hands", "gripper"}) && main_.has_any({"empty", "free"});
+  if (asks_about_holding() || is_of_empty_hand) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
     if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());
     program.with(FilterKey::kIsHeld, "yes");
     add_moment(program);
-    return program.then(main_.has("empty") ? StepKind::kNone : StepKind::kExists);
+    return program.then(is_of_empty_hand ? StepKind::kNone : StepKind::kExists);
   }
   if (asks_about_sight()) {
     if (thing().empty() && !is_anything) return {};

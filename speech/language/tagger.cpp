@@ -45,9 +45,9 @@ const SkillVerb* verb_with_lemma(const std::string& lemma) {
   return nullptr;
 }
 
-/// To find and to spot is to see; what takes time, goes wrong or gets done is not handled.
+/// To find and to spot is to see, and to drop is no way of placing.
 bool is_verb_of_sight(const std::string& lemma) {
-  return is_in(lemma, {"find", "spot", "locate", "watch", "scan"});
+  return is_in(lemma, {"find", "spot", "locate", "watch", "scan", "drop"});
 }
 
 class WordTagger final : public Tagger {
@@ -229,8 +229,8 @@ class WordTagger final : public Tagger {
       return false;
     if (word.lemma == "come" && is_in(after, {"up", "from"}) && before != "you") return false;
     if (is_in(word.text, {"place", "grip", "visit", "search", "walk", "look", "drop", "set"}) &&
-        (is_in(before, {"which", "what", "that", "same", "whose", "first", "any", "some"})))
-      return before == "first" && after != "" && word.text != "place";
+        is_in(before, {"which", "what", "that", "same", "whose", "any", "some"}))
+      return false;
     if (word.text == "place" && is_in(before, {"the", "a", "take", "took", "taking", "taken"}))
       return false;
     if (is_in(word.lemma, {"give", "pass", "fill", "clean", "close", "press"}))

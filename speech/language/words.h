@@ -14,8 +14,8 @@ struct QuestionWord {
   std::string text;   ///< In lower case, contractions written out: "did", "not".
   std::string given;  ///< As it was written.
   bool begins_sentence = false;
-  bool is_capital = false;   ///< Its first letter was one, and the word is not all capitals.
-  bool ends_clause = false;  ///< A comma, a full stop or the like follows.
+  bool is_capital = false;    ///< Its first letter was one, and the word is not all capitals.
+  bool ends_clause = false;   ///< A comma, a full stop or the like follows.
   bool is_corrected = false;  ///< It was mistyped.
 };
 

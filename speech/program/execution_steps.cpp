@@ -8,7 +8,7 @@ namespace engram::speech {
 namespace {
 
 /// More executions than that are no question about a way.
-constexpr size_t kMaxDrives = 500;
+constexpr size_t kMaxDrives = 2000;
 /// How near the robot must be to a place to be there.
 constexpr double kBeside_m = 1.5;
 
@@ -77,6 +77,13 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
     case StepKind::kWhoStopped:
       tell_who_stopped();
       return {};
+    case StepKind::kSucceeded: {
+      const Execution& last = executions.back();
+      if (!last.ended) miss("it has not ended");
+      outcome_.cite(last);
+      outcome_.value = answers::YesNo{last.outcome == ltm::ActionOutcome::kSuccess};
+      return {};
+    }
     case StepKind::kRetried:
       tell_retried();
       return {};

@@ -73,6 +73,7 @@ enum class StepKind {
   kSaid,          ///< The words, or those that caused this.
   kWhy,           ///< What caused it, by its links.
   kReason,        ///< Why it ended as it did.
+  kSucceeded,     ///< Whether it did what it was to do.
   kRetried,       ///< Whether the same was tried again afterwards.
   kInstead,       ///< The skills of the steps of its plan that had not begun when it ended,
   kInsteadNext,   ///< that of the first of them,

@@ -59,7 +59,7 @@ class ProgramRun {
   void tell_where_robot();
   void tell_is_at(StepKind kind, const RecordFilter& filter);
   void tell_holder();
-  void tell_visible();
+  void tell_visible(const RecordFilter& filter);
 
   /// Says that the answer is unknown, and why.
   void miss(std::string why);

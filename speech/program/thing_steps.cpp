@@ -15,6 +15,13 @@ bool is_seen(const ThingState& state) {
   return state.is_visible.value_or(false);
 }
 
+/// What was in sight so long ago is not in sight now: nobody told that it no longer is.
+constexpr Duration kStaysInSight = std::chrono::seconds(5);
+
+bool is_in_sight(const ThingState& state, Time at) {
+  return is_seen(state) && at - state.time <= kStaysInSight;
+}
+
 bool is_among(const std::vector<ltm::MemoryId>& entities, const ltm::MemoryId& entity) {
   return std::find(entities.begin(), entities.end(), entity) != entities.end();
 }
@@ -26,6 +33,7 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
   // A step that seeks the state in which a thing was seen reads it itself.
   for (const ProgramStep& step : program_.steps)
     if (step.kind == StepKind::kFirstSeen || step.kind == StepKind::kLastSeen) return {};
+  const Time at = filter.at() ? std::min(filter.at()->to, now_) : now_;
   std::vector<ThingState> states;
   if (program_.find(FilterKey::kDuring) != nullptr) {
     // What was seen at any time of a span.
@@ -36,14 +44,18 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
                                                            filter.begun().to, is_seen));
       if (seen) states.push_back(*std::move(seen));
     }
+  } else if (filter.has_things()) {
+    for (const ltm::MemoryId& thing : filter.things()) {
+      ENGRAM_ASSIGN_OR_RETURN(auto state, facts_.thing_at(thing, at));
+      if (state) states.push_back(*std::move(state));
+    }
   } else {
-    const Time at = filter.at() ? filter.at()->to : now_;
-    ENGRAM_ASSIGN_OR_RETURN(states, facts_.things_at(std::min(at, now_)));
+    ENGRAM_ASSIGN_OR_RETURN(states, facts_.things_at(at));
   }
   for (ThingState& state : states) {
     if (filter.has_things() && !is_among(filter.things(), state.id.entity())) continue;
     if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
-    if (filter.is_visible() && *filter.is_visible() != is_seen(state)) continue;
+    if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, at)) continue;
     if (!filter.hand().empty() && lower_ascii(state.held_by) != filter.hand()) continue;
     if (filter.has_places()) {
       const KnownPlace* place =
@@ -86,7 +98,7 @@ Status ProgramRun::seek_seen(bool is_last, const RecordFilter& filter) {
   return {};
 }
 
-Status ProgramRun::apply_to_things(const ProgramStep& step, const RecordFilter& /*filter*/) {
+Status ProgramRun::apply_to_things(const ProgramStep& step, const RecordFilter& filter) {
   switch (step.kind) {
     case StepKind::kWhere:
       if (program_.source == ProgramSource::kRobot)
@@ -98,7 +110,7 @@ Status ProgramRun::apply_to_things(const ProgramStep& step, const RecordFilter& 
       tell_holder();
       return {};
     case StepKind::kIsVisible:
-      tell_visible();
+      tell_visible(filter);
       return {};
     default:
       return invalid_argument("program: {} have no step {}", name_of(program_.source),
@@ -156,21 +168,21 @@ void ProgramRun::tell_is_at(StepKind kind, const RecordFilter& filter) {
     outcome_.value = answers::YesNo{is_there == (kind == StepKind::kExists)};
 }
 
+/// The hands that hold the things; no name where none does.
 void ProgramRun::tell_holder() {
   std::vector<std::string> names;
   for (const ThingState& state : outcome_.states) {
-    if (state.held_by.empty()) continue;
-    names.push_back(state.held_by);
+    if (!state.held_by.empty()) names.push_back(state.held_by);
     outcome_.cite(state.id, "thing");
   }
-  if (names.empty()) miss("nothing held it then");
   outcome_.value = names_of(std::move(names));
 }
 
-void ProgramRun::tell_visible() {
+void ProgramRun::tell_visible(const RecordFilter& filter) {
+  const Time at = filter.at() ? std::min(filter.at()->to, now_) : now_;
   bool is_visible = false;
   for (const ThingState& state : outcome_.states) {
-    is_visible = is_visible || is_seen(state);
+    is_visible = is_visible || is_in_sight(state, at);
     outcome_.cite(state.id, "thing");
   }
   outcome_.value = answers::YesNo{is_visible};

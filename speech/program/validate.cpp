@@ -123,6 +123,7 @@ std::optional<Made> made_by(Kind kind, Source source) {
       {Kind::kSaid, {kDone, Source::kWords, Source::kPlans}, Made::kOther},
       {Kind::kWhy, {kDone}, Made::kOther},
       {Kind::kReason, {kDone, Source::kRefusals, Source::kDrives}, Made::kOther},
+      {Kind::kSucceeded, {kDone}, Made::kFlag},
       {Kind::kRetried, {kDone}, Made::kFlag},
       {Kind::kInstead, {kDone}, Made::kOther},
       {Kind::kHolder, {Source::kThings}, Made::kOther},

@@ -80,6 +80,7 @@ class OutcomeTeller {
 
   std::string operator()(const answers::Names& answer) const {
     if (!outcome_.steps.empty()) return told_steps();
+    if (answer.value.empty()) return "Nothing does. " + told_state();
     std::vector<std::string> names;
     for (const std::string& name : answer.value) names.push_back(printable(name));
     const ProgramStep* last =

@@ -37,7 +37,7 @@ Time second(double seconds, int day) {
 }
 
 RememberedKitchen::RememberedKitchen() {
-  auto opened = Memory::open(scratch_.path() / "kitchen.engram");
+  auto opened = Memory::open(store());
   ENGRAM_CHECK(opened.ok(), "{}", opened.status().to_string());
   memory_ = *std::move(opened);
   const Time start = second(0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,7 @@ class RememberedKitchen {
   RememberedKitchen();
 
   [[nodiscard]] Memory& memory() { return *memory_; }
+  [[nodiscard]] std::filesystem::path store() const { return scratch_.path() / "kitchen.engram"; }
 
   /// Returns the link to the words.
   std::string say(double at, const std::string& speaker, const std::string& text, int day = 0);
