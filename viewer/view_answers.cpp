@@ -18,7 +18,7 @@ struct Question {
   AnswerFunction answer;
 };
 
-constexpr std::array<Question, 18> kQuestions{{
+constexpr std::array<Question, 20> kQuestions{{
     {"/api/info", answer_info},
     {"/api/tree", answer_tree},
     {"/api/find", answer_find},
@@ -37,6 +37,8 @@ constexpr std::array<Question, 18> kQuestions{{
     {"/api/reflection", answer_reflection},
     {"/api/forgetting", answer_forgetting},
     {"/api/cloud", answer_cloud},
+    {"/api/ask", answer_ask},
+    {"/api/tell", answer_tell},
 }};
 
 }  // namespace

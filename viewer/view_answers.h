@@ -40,6 +40,8 @@ ViewAnswer answer_quality(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_reflection(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_forgetting(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_cloud(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_ask(ViewedMemory& viewed, const RequestTarget& target);
+ViewAnswer answer_tell(ViewedMemory& viewed, const RequestTarget& target);
 ViewAnswer answer_image(ViewedMemory& viewed, const HttpRequest& request,
                         const RequestTarget& target);
 

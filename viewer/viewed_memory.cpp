@@ -31,6 +31,16 @@ Result<Memory*> ViewedMemory::latents() {
   return opened(latents_, true);
 }
 
+Status ViewedMemory::with_asker(const std::function<Status(speech::Asker&)>& use) {
+  const MutexLock lock(asking_);
+  if (asker_ == nullptr) {
+    ENGRAM_ASSIGN_OR_RETURN(asker_, speech::Asker::create(*memory_, {}));
+  } else {
+    ENGRAM_RETURN_IF_ERROR(asker_->refresh());
+  }
+  return use(*asker_);
+}
+
 Result<Memory*> ViewedMemory::for_long_questions() {
   if (!is_store()) return memory_.get();  // A server has threads for them.
   const MutexLock lock(mutex_);

@@ -15,6 +15,7 @@
 #include "ltm/store/store_mark.h"
 #include "ltm/store/store_reader.h"
 #include "memory/memory.h"
+#include "speech/language/asker.h"
 #include "viewer/kept_numbers.h"
 #include "viewer/long_questions.h"
 
@@ -67,6 +68,11 @@ class ViewedMemory {
   /// Errors: kFailedPrecondition for a server, which has its preference configured.
   Result<Memory*> latents();
 
+  /// Calls `use` with what answers questions in words, and knows all that the memory knows now. One
+  /// request uses it at a time.
+  /// Errors: those of speech::Asker and of `use`.
+  Status with_asker(const std::function<Status(speech::Asker&)>& use);
+
   [[nodiscard]] LongQuestions& long_questions() { return long_questions_; }
 
   /// Calls `read` with the store's present state; again with a new one if the store was changed
@@ -109,6 +115,8 @@ class ViewedMemory {
   const Options options_;
   std::unique_ptr<Memory> memory_;
   LongQuestions long_questions_;
+  Mutex asking_;
+  std::unique_ptr<speech::Asker> asker_ ENGRAM_GUARDED_BY(asking_);
   Mutex mutex_;
   std::unique_ptr<Memory> latents_ ENGRAM_GUARDED_BY(mutex_);
   std::unique_ptr<Memory> for_long_questions_ ENGRAM_GUARDED_BY(mutex_);

@@ -340,6 +340,25 @@ class AnswersTest(unittest.TestCase):
         self.assertEqual([(one["id"], one["distance"]) for one in told["found"]],
                          [(one["id"], one["distance"]) for one in found["moments"]])
 
+    def test_questions_are_answered_as_the_command_does(self) -> None:
+        for question in ("What were you asked to do?", "What did you do?", "Where is the elephant?"):
+            told = self.viewed.json("/api/ask", q=question)
+            found = json.loads(run(ENGRAM, "ask", str(self.store), question, "--json"))
+            self.assertEqual({**told, "took_ms": 0}, {**found, "took_ms": 0})
+            self.assertEqual(told["value"]["kind"] == "unknown", "elephant" in question)
+        first, last = self.entities[JOINTS]["first_ns"], self.entities[JOINTS]["last_ns"]
+        told = self.viewed.json("/api/tell", **{"from": first, "until": last})
+        found = json.loads(run(ENGRAM, "tell", str(self.store), "--json"))
+        self.assertEqual(told["sentences"], found["sentences"])
+        self.assertTrue(told["sentences"])
+        # As of the beginning nothing was done yet.
+        then = self.viewed.json("/api/ask", q="What did you do last?", now=first)
+        self.assertNotEqual(then["value"], self.viewed.json("/api/ask", q="What did you do last?")["value"])
+        self.assertEqual(self.viewed.error("/api/ask"), (400, "invalid argument"))
+        self.assertEqual(self.viewed.error("/api/ask", q="x" * 20_000)[0], 400)
+        self.assertEqual(self.viewed.error("/api/tell", **{"from": last, "until": first}),
+                         (400, "invalid argument"))
+
     def test_a_map_has_moments_of_the_whole_time(self) -> None:
         for entity, coded_by in ((JOINTS, "numbers"), (STEREO, "images")):
             told = self.viewed.json("/api/map", entity=entity, max=50)

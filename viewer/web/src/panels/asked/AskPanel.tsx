@@ -77,7 +77,7 @@ function Told(props: { answer: Answer; now: bigint }) {
       <Show when={!isKnown() && props.answer.looked_for}><p class="muted">Looked for {props.answer.looked_for}.</p></Show>
       <Evidence links={props.answer.evidence} shown={kShown} />
       <p class="muted answer-how">
-        {props.answer.route} · {Math.round(props.answer.confidence * 100)} % · {props.answer.took_ms.toFixed(0)} ms · as of {formatTime(props.now)}
+        {props.answer.route} · {Math.round(props.answer.confidence * 100)} % · {props.answer.took_ms.toFixed(props.answer.took_ms < 10 ? 1 : 0)} ms · as of {formatTime(props.now)}
         <Show when={props.answer.program}><code>{props.answer.program}</code></Show>
       </p>
     </div>
