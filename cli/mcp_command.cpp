@@ -4,6 +4,8 @@
 
 #include "cli/command.h"
 #include "cli/remote.h"
+#include "cli/speech_options.h"
+#include "speech/assistants/asking_tools.h"
 #include "speech/assistants/mcp_session.h"
 #include "speech/assistants/memory_tools.h"
 
@@ -13,17 +15,18 @@ namespace {
 
 constexpr const char* kMcpFooter =
     R"(Speaks the Model Context Protocol on stdin and stdout, so that an assistant which starts this
-command can ask the memory: what it knows (entities, query, picture), what was near a place (near),
-when it was like this before (similar), and why something was done (why). It only reads. It ends
-when stdin does. How assistants are told of it: docs/assistants.md.
+command can ask the memory: what the robot did and why (ask, timeline, why), what it knows (entities,
+query, picture), what was near a place (near), and when it was like this before (similar). It only
+reads, and ends when stdin does. How assistants are told of it: docs/assistants.md.
 
 Examples:
   engram mcp robot.engram
   engram mcp --server unix:/run/engram.sock)";
 
 constexpr const char* kInstructions =
-    "This is the episodic memory of a robot: what it perceived, was told and did. Ask 'entities' "
-    "first, then 'query'. Links in values lead to other snapshots, and 'why' follows them. Say "
+    "This is the episodic memory of a robot: what it perceived, was told and did. Ask 'ask' or "
+    "'timeline' first, and 'entities' and 'query' for what those do not tell. Links in values lead "
+    "to other snapshots, and 'why' follows them. Say "
     "only "
     "what an answer shows, name the snapshots that show it by their IDs, and say that the memory "
     "does not know where it does not. Times are UTC.";
@@ -51,7 +54,11 @@ ExitCode run(const McpArguments& arguments) {
     return wrong_usage(named);
   const auto memory = open_memory(arguments.store, {.is_read_only = true}, arguments.remote);
   if (!memory.ok()) return fail(memory.status());
-  speech::McpSession session(speech::memory_tools(**memory),
+  auto asker = speech::Asker::create(**memory, {.zone = day_zone()});
+  if (!asker.ok()) return fail(asker.status());
+  std::vector<speech::MemoryTool> tools = speech::asking_tools(*std::move(asker));
+  for (speech::MemoryTool& tool : speech::memory_tools(**memory)) tools.push_back(std::move(tool));
+  speech::McpSession session(std::move(tools),
                              {.version = ENGRAM_VERSION, .instructions = kInstructions});
   std::string line;
   while (read_line(std::cin, line)) {

@@ -11,6 +11,7 @@ from __future__ import annotations
 import base64
 import json
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -76,7 +77,20 @@ class Mcp(unittest.TestCase):
         self.assertEqual(told["server"]["name"], "engram")
         self.assertIn("does not know", told["instructions"])
         self.assertEqual([one["name"] for one in told["tools"]],
-                         ["entities", "query", "near", "similar", "why", "picture"])
+                         ["ask", "timeline", "entities", "query", "near", "similar", "why",
+                          "picture"])
+        spoken = query(self.store, "Speech @ 0..0")[0]["snapshots"][0]
+        said = spoken["instances"][0]["data"]["text"]
+        asked = told["ask"]["structuredContent"]
+        self.assertIn(said, asked["text"])
+        self.assertIn(spoken["id"], [re.sub("/0$", "", one["id"]) for one in asked["evidence"]])
+        self.assertEqual(told["unknown"]["structuredContent"]["value"], {"kind": "unknown"})
+        done_ = told["timeline"]["structuredContent"]
+        started = {one["id"] for entity in query(self.store, "Skill/Event @ all")
+                   for one in entity["snapshots"]
+                   if one["instances"][0]["data"]["stage"] == {"$int32": 0}}
+        self.assertEqual({re.sub("/0$", "", one["id"]) for one in done_["executions"]}, started)
+        self.assertTrue(all(one["evidence"] for one in done_["told"]))
         listed = {one["id"] for one in told["entities"]["structuredContent"]["entities"]}
         self.assertEqual(listed, entities(self.store, ""))
         self.assertEqual(len(told["some"]["structuredContent"]["entities"]), 2)
@@ -100,7 +114,6 @@ class Mcp(unittest.TestCase):
         self.assertTrue(all(one["snapshots"] > 0 and one["first"] <= one["last"] for one in near))
         self.assertEqual(told["nowhere"]["structuredContent"]["entities"], [])
         self.assertEqual(len(told["similar"]["structuredContent"]["moments"]), 3)
-        said = query(self.store, "Speech @ 0..0")[0]["snapshots"][0]["instances"][0]["data"]["text"]
         self.assertIn(said, told["why"]["structuredContent"]["text"])
         picture = told["picture"]["content"][1]
         self.assertEqual(picture["mimeType"], "image/jpeg")

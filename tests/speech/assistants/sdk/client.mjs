@@ -13,6 +13,9 @@ const told = { server: client.getServerVersion(), instructions: client.getInstru
 told.tools = (await client.listTools()).tools;
 await client.ping();
 const call = async (name, args) => client.callTool({ name, arguments: args });
+told.ask = await call('ask', { question: 'What were you asked to do?' });
+told.unknown = await call('ask', { question: 'Where is the elephant?' });
+told.timeline = await call('timeline', {});
 told.entities = await call('entities', {});
 told.some = await call('entities', { names: 'Objects', max: 2 });
 const platform = told.entities.structuredContent.entities.find((one) => one.id.endsWith('platform'));
