@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "cli/ask_model.h"
 #include "cli/command.h"
 #include "cli/speech_options.h"
 #include "ltm/core/printable.h"
@@ -25,26 +26,39 @@ TZ where that is set.
 --questions reads a file with one JSON object a line, {"question": "...", "now": TIME}, where "now"
 may be missing, and answers each with one line of JSON, in order; '-' is standard input.
 
+--llm names a language model of your own, which is asked where the question fits no program, or always
+with --route llm. It has the tools of engram mcp, and what it says is told only with snapshots that
+the memory showed it (docs/assistants.md).
+
 Examples:
   engram ask kitchen.engram 'Where have you seen the salt?'
   engram ask kitchen.engram 'Why did you move to the table?' --json
   engram ask kitchen.engram 'What did you do yesterday?' --now '2026-01-02 09:00'
   engram ask kitchen.engram --program 'executions outcome=failure | count'
+  engram ask kitchen.engram 'Was it a good day?' --llm http://127.0.0.1:8080/v1
   engram ask --server unix:engram.sock 'What are you holding?')";
 
 struct AskArguments {
   SpeechArguments memory;
   std::string question;
   std::string questions;
+  RouteArguments route;
   bool is_program = false;
   bool is_json = false;
 };
 
-Result<speech::Answer> answer_to(const AskArguments& arguments, speech::Asker& asker,
+/// The memory that is asked, and who answers.
+struct Asked {
+  std::unique_ptr<Memory> memory;
+  std::shared_ptr<speech::Asker> asker;
+};
+
+Result<speech::Answer> answer_to(const AskArguments& arguments, const Asked& asked,
                                  const std::string& question, Time now) {
-  if (!arguments.is_program) return asker.ask(question, now);
+  if (!arguments.is_program)
+    return ask_by_route(arguments.route, *asked.memory, asked.asker, question, now);
   ENGRAM_ASSIGN_OR_RETURN(const speech::Program program, speech::Program::parse(question));
-  return asker.ask_program(program, now);
+  return asked.asker->ask_program(program, now);
 }
 
 std::string answer_text(const speech::Answer& answer) {
@@ -77,7 +91,7 @@ Result<QuestionLine> question_line(const std::string& line, size_t number) {
   return read;
 }
 
-Status answer_lines(const AskArguments& arguments, speech::Asker& asker, Time now,
+Status answer_lines(const AskArguments& arguments, const Asked& asked_of, Time now,
                     std::istream& lines) {
   std::string line;
   for (size_t number = 1; std::getline(lines, line); ++number) {
@@ -85,7 +99,7 @@ Status answer_lines(const AskArguments& arguments, speech::Asker& asker, Time no
     ENGRAM_ASSIGN_OR_RETURN(const QuestionLine asked, question_line(line, number));
     const Time when = asked.now.empty() ? now : *parse_time(asked.now);
     ENGRAM_ASSIGN_OR_RETURN(const speech::Answer answer,
-                            answer_to(arguments, asker, asked.question, when));
+                            answer_to(arguments, asked_of, asked.question, when));
     // One line each, as it came, whatever the options.
     std::cout << answer.to_json().dump(-1, ' ', false, Json::error_handler_t::replace) << '\n';
   }
@@ -94,18 +108,18 @@ Status answer_lines(const AskArguments& arguments, speech::Asker& asker, Time no
 }
 
 Status ask(const AskArguments& arguments) {
-  ENGRAM_ASSIGN_OR_RETURN(const std::unique_ptr<Memory> memory, open_to_ask(arguments.memory));
-  ENGRAM_ASSIGN_OR_RETURN(const std::unique_ptr<speech::Asker> asker,
-                          speech::Asker::create(*memory, {.zone = day_zone()}));
-  ENGRAM_ASSIGN_OR_RETURN(const Time now, now_of(arguments.memory, asker->facts()));
-  if (arguments.questions == "-") return answer_lines(arguments, *asker, now, std::cin);
+  Asked asked;
+  ENGRAM_ASSIGN_OR_RETURN(asked.memory, open_to_ask(arguments.memory));
+  ENGRAM_ASSIGN_OR_RETURN(asked.asker, speech::Asker::create(*asked.memory, {.zone = day_zone()}));
+  ENGRAM_ASSIGN_OR_RETURN(const Time now, now_of(arguments.memory, asked.asker->facts()));
+  if (arguments.questions == "-") return answer_lines(arguments, asked, now, std::cin);
   if (!arguments.questions.empty()) {
     std::ifstream file(arguments.questions);
     if (!file) return not_found("questions '{}': cannot be read", arguments.questions);
-    return answer_lines(arguments, *asker, now, file);
+    return answer_lines(arguments, asked, now, file);
   }
   ENGRAM_ASSIGN_OR_RETURN(const speech::Answer answer,
-                          answer_to(arguments, *asker, arguments.question, now));
+                          answer_to(arguments, asked, arguments.question, now));
   if (arguments.is_json)
     print_json(answer.to_json());
   else
@@ -122,6 +136,7 @@ ExitCode run(AskArguments arguments) {
   if (const Status named = check_source(arguments.memory.store, arguments.memory.remote);
       !named.ok())
     return wrong_usage(named);
+  if (const Status route = check_route(arguments.route); !route.ok()) return wrong_usage(route);
   if (arguments.is_program && arguments.questions.empty())
     if (const auto program = speech::Program::parse(arguments.question); !program.ok())
       return wrong_usage(program.status());
@@ -139,6 +154,7 @@ void add_ask_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--questions", arguments->questions,
                       "A file of questions, one JSON object a line; '-': standard input");
   command->add_flag("--program", arguments->is_program, "The question is a program");
+  add_route_options(*command, arguments->route);
   add_speech_options(*command, arguments->memory);
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
