@@ -33,7 +33,7 @@ constexpr int kCount = kRecordings * kRoomRows;
 constexpr int kFaded = 4;
 constexpr double kBoundDb = 32;
 constexpr double kFadedDb = 25;
-constexpr int kFlips = 12;  ///< For each file.
+constexpr int kFlips = 6;  ///< For each file.
 
 Status test_model(const std::filesystem::path& file) {
   return encoders::load_model(file).status();
