@@ -201,16 +201,32 @@ void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise
     program.then(*otherwise);
 }
 
+bool GrammarRules::asks_for_hand() const {
+  if (main_.hands.size() > 1 && main_.has("or") && parts_.asks != Asks::kWhy) return true;
+  for (size_t at = 0; at < main_.words.size(); ++at) {
+    const std::string& text = main_.words[at].text;
+    if (text != "which" && text != "what" && text != "whichever") continue;
+    for (size_t next = at + 1; next < std::min(at + 4, main_.words.size()); ++next) {
+      const TaggedWord& word = main_.words[next];
+      if (word.lemma == "hand" || word.lemma == "arm" || word.lemma == "gripper") return true;
+      if (word.text != "of" && word.text != "your" && word.text != "the") break;
+    }
+  }
+  return parts_.asks == Asks::kNothing && main_.has("hand");
+}
+
 bool GrammarRules::asks_about_failure() const {
-  return main_.has_any({"fail", "mistake", "error", "problem", "trouble", "issue", "wrong",
-                        "difficulty", "mishap", "unable", "mess", "miss", "slip"}) ||
-         (main_.has("not") &&
-          main_.has_any({"work", "succeed", "manage", "able", "achieve", "accomplish"})) ||
+  return main_.has_any({"badly", "amiss", "awry", "fail", "mistake", "error", "problem", "trouble",
+                        "issue", "wrong", "difficulty", "mishap", "unable", "mess", "miss",
+                        "slip"}) ||
+         (main_.has("not") && main_.has_any({"work", "succeed", "manage", "able", "achieve",
+                                             "accomplish", "planned", "go"})) ||
          (main_.has("could") && main_.has("not"));
 }
 
 bool GrammarRules::asks_about_stop() const {
-  return main_.has_any({"stop", "interrupt", "halt", "abort", "cancel", "pause", "disturb"}) ||
+  return main_.has_any(
+             {"quit", "stop", "interrupt", "halt", "abort", "cancel", "pause", "disturb"}) ||
          (main_.has("break") && main_.has("off"));
 }
 
@@ -220,9 +236,9 @@ bool GrammarRules::asks_about_sight() const {
 }
 
 bool GrammarRules::asks_about_words() const {
-  return main_.has_any({"ask", "tell", "say", "speak", "talk", "request", "order", "command",
-                        "want", "instruct", "instruction", "demand", "shout", "mention", "call",
-                        "utter", "word"});
+  return main_.has_any({"hear", "ask", "tell", "say", "speak", "talk", "request", "order",
+                        "command", "want", "instruct", "instruction", "demand", "shout", "mention",
+                        "call", "utter", "word"});
 }
 
 bool GrammarRules::asks_about_holding() const {

@@ -26,11 +26,13 @@ class GrammarRules {
  private:
   using Found = std::optional<Program>;
 
-  // What would have been (rules_of_events.cpp).
+  // Who, why and when, and what would have been (rules_of_events.cpp).
   Found instead();
   Found who();
   Found why();
   Found when();
+
+  // How much, which and what (rules_of_actions.cpp).
   Found amounts();
   Found which();
   Found what();
@@ -44,6 +46,8 @@ class GrammarRules {
 
   // Yes or no (rules_of_yes_no.cpp).
   Found compared();
+  Found compared_persons();
+  Found compared_skills();
   Found whether();
   Found whether_failed();
   Found whether_asked();
@@ -65,6 +69,8 @@ class GrammarRules {
   void add_order(Program& program, std::optional<StepKind> otherwise) const;
   [[nodiscard]] bool has_order() const;
 
+  /// Whether a hand is asked for: "which hand", "which of your arms", "left or right".
+  [[nodiscard]] bool asks_for_hand() const;
   [[nodiscard]] bool asks_about_failure() const;
   [[nodiscard]] bool asks_about_stop() const;
   [[nodiscard]] bool asks_about_sight() const;

@@ -34,6 +34,21 @@ GrammarRules::Found GrammarRules::where() {
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kWhere);
   }
+  // "Where has the salt gone?", "Where does the salt come from?"
+  const SkillVerb* going = verb_of_skill("drive");
+  if (!thing().empty() && !is_of_robot() && going != nullptr &&
+      skills == lexicon_.skills_of(*going)) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    const SkillVerb* pick = verb_of_skill("pick");
+    if (main_.has("from") && pick != nullptr && !lexicon_.skills_of(*pick).empty()) {
+      program.source = ProgramSource::kExecutions;
+      program.with(FilterKey::kSkill, lexicon_.skills_of(*pick));
+      return program.then(StepKind::kLast).then(StepKind::kWhere);
+    }
+    add_moment(program);
+    return program.then(StepKind::kWhere);
+  }
   if (!skills.empty()) {
     Program program = executions();
     const SkillVerb* drive = verb_of_skill("drive");

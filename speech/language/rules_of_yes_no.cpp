@@ -3,10 +3,52 @@
 
 namespace engram::speech {
 
+/// "Did Ben ask before Ada?"
+GrammarRules::Found GrammarRules::compared_persons() {
+  if (main_.persons.size() != 2 || !main_.has_any({"before", "after", "earlier", "later"}))
+    return {};
+  const auto of = [this](const std::string& person) {
+    Program program{asks_about_words() && main_.has_any({"say", "speak", "talk"})
+                        ? ProgramSource::kWords
+                        : ProgramSource::kPlans,
+                    {},
+                    {}};
+    return program.with(FilterKey::kSpeaker, person).then(StepKind::kFirst).then(StepKind::kWhen);
+  };
+  Program first = of(main_.persons[0]);
+  const StepKind how =
+      main_.has_any({"after", "later"}) ? StepKind::kMoreThan : StepKind::kLessThan;
+  first.steps.push_back({how, Argument{{}, std::make_shared<const Program>(of(main_.persons[1]))}});
+  return first;
+}
+
+/// "Did you spend more time driving than grasping?", "Did you pick up more than you placed?"
+GrammarRules::Found GrammarRules::compared_skills() {
+  if (!main_.has("than") || main_.verbs.size() != 2 || main_.things.size() > 1) return {};
+  const bool is_less = main_.has_any({"less", "fewer", "shorter", "faster", "quicker"});
+  const bool is_time =
+      main_.has_any({"time", "long", "longer", "shorter", "slower", "faster", "quicker"});
+  const auto of = [&](const TaggedWord& verb) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    const std::string skills = lexicon_.skills_of(*verb.verb);
+    program.with(FilterKey::kSkill, skills.empty() ? verb.lemma : skills);
+    add_thing(program);
+    const AskedTimes& times = parts_.times;
+    if (times.during) program.with(FilterKey::kDuring, *times.during);
+    return program.then(is_time ? StepKind::kHowLong : StepKind::kCount);
+  };
+  Program first = of(*main_.verbs[0]);
+  first.steps.push_back({is_less ? StepKind::kLessThan : StepKind::kMoreThan,
+                         Argument{{}, std::make_shared<const Program>(of(*main_.verbs[1]))}});
+  return first;
+}
+
 /// "Did it take longer to pick up the salt than the tea?", "Did you pick up the salt before the
 /// tea?"
 GrammarRules::Found GrammarRules::compared() {
   if (parts_.asks != Asks::kWhether && parts_.asks != Asks::kNothing) return {};
+  if (Found found = compared_persons()) return found;
+  if (Found found = compared_skills()) return found;
   std::vector<std::string> things = main_.things;
   if (parts_.beside)
     things.insert(things.end(), parts_.beside->parts.things.begin(),
@@ -55,17 +97,26 @@ GrammarRules::Found GrammarRules::whether() {
   if (parts_.asks == Asks::kNothing && main_.has_any({"everything", "all"}))
     return whether_failed();
   if (parts_.asks != Asks::kWhether) return {};
+  // A comparison that no rule above understood must not be answered as something else.
+  if (main_.has("than")) return {};
   if (Found found = whether_failed()) return found;
   if (Found found = robot_at()) return found;
   if (Found found = whether_of_thing()) return found;
   if (Found found = whether_asked()) return found;
   const std::string skills = skills_of(main_);
   if (skills.empty() && thing().empty() && main_.places.empty() && main_.hands.empty()) {
+    if (asks_about_success() && is_of_robot()) {
+      Program program = executions();
+      program.with(FilterKey::kOutcome, "problem");
+      return program.then(StepKind::kNone);
+    }
     // "Did you do anything yesterday?"
     if (!main_.has_words({"do", "anything"}) && !main_.has_words({"do", "something"})) return {};
     return executions().then(StepKind::kExists);
   }
   if (skills.empty() && main_.hands.empty()) {
+    if (asks_about_success() && !thing().empty())
+      return executions().then(StepKind::kLast).then(StepKind::kSucceeded);
     if (main_.has_any({"touch", "handle", "manipulate", "use", "move"}) ||
         main_.has_words({"do", "anything"}) || main_.has_words({"do", "something"}))
       return executions().then(StepKind::kExists);
@@ -126,13 +177,13 @@ GrammarRules::Found GrammarRules::whether_failed() {
 
 /// Whether somebody asked for something.
 GrammarRules::Found GrammarRules::whether_asked() {
-  const bool is_of_words = main_.has_any(
-      {"ask", "tell", "say", "speak", "talk", "request", "order", "command", "want", "instruct"});
+  const bool is_of_words = main_.has_any({"ask", "tell", "say", "speak", "talk", "request", "order",
+                                          "command", "want", "instruct", "hear"});
   if (!is_of_words) return {};
   // Whether all was done that somebody asked for is more than whether somebody asked.
   if (main_.has_any({"what", "everything", "all", "which"})) return {};
   const bool is_said =
-      main_.has_any({"say", "speak", "talk"}) || (main_.has("tell") && asks_about_stop());
+      main_.has_any({"say", "speak", "talk", "hear"}) || (main_.has("tell") && asks_about_stop());
   Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
   if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
   if (is_said) {

@@ -86,8 +86,9 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
       break;
     }
     case FilterKey::kSpeaker:
-      speaker_ = lower;
-      if (!is_speaker_known(*facts_, lower)) miss("person who spoke");
+      speakers_ = comma_parts(lower);
+      for (const std::string& speaker : speakers_)
+        if (!is_speaker_known(*facts_, speaker)) miss("person who spoke");
       break;
     case FilterKey::kHand:
       hand_ = lower;
@@ -168,6 +169,10 @@ bool RecordFilter::has_text(const std::string& text) const {
   return text_.empty() || lower_ascii(text).find(text_) != std::string::npos;
 }
 
+bool RecordFilter::is_speaker(const std::string& speaker) const {
+  return std::find(speakers_.begin(), speakers_.end(), lower_ascii(speaker)) != speakers_.end();
+}
+
 bool RecordFilter::has_outcome(const Execution& execution) const {
   using ltm::ActionOutcome;
   if (outcome_.empty()) return true;
@@ -186,22 +191,21 @@ Result<bool> RecordFilter::keeps(const Execution& execution) {
   if (!hand_.empty() && lower_ascii(execution.hand) != hand_) return false;
   if (at_ && (execution.started > at_->to || (execution.ended && *execution.ended < at_->from)))
     return false;
-  if (speaker_.empty()) return true;
+  if (speakers_.empty()) return true;
   ENGRAM_ASSIGN_OR_RETURN(const std::string speaker, speaker_of(*facts_, execution));
-  return lower_ascii(speaker) == speaker_;
+  return is_speaker(speaker);
 }
 
 bool RecordFilter::keeps(const SpokenWords& words) const {
   return is_begun(words.time) && has_text(words.text) && (!at_ || at_->contains(words.time)) &&
-         (speaker_.empty() || lower_ascii(words.speaker) == speaker_);
+         (speakers_.empty() || is_speaker(words.speaker));
 }
 
 bool RecordFilter::keeps(const TaskPlan& plan) const {
   if (!is_begun(plan.time) || !has_text(plan.goal) || (at_ && !at_->contains(plan.time)))
     return false;
   const SpokenWords* words = plan.command ? facts_->words_at(*plan.command) : nullptr;
-  if (!speaker_.empty() && (words == nullptr || lower_ascii(words->speaker) != speaker_))
-    return false;
+  if (!speakers_.empty() && (words == nullptr || !is_speaker(words->speaker))) return false;
   const auto leads_to = [&](bool is_thing) {
     return std::any_of(plan.steps.begin(), plan.steps.end(), [&](const PlannedStep& step) {
       return has_entity(is_thing ? step.thing : step.place, is_thing);

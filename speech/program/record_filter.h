@@ -54,6 +54,7 @@ class RecordFilter {
   [[nodiscard]] bool has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const;
   [[nodiscard]] bool has_skill(const std::string& provider, const std::string& skill) const;
   [[nodiscard]] bool has_text(const std::string& text) const;
+  [[nodiscard]] bool is_speaker(const std::string& speaker) const;
   [[nodiscard]] bool has_outcome(const Execution& execution) const;
 
   KnownFacts* facts_;
@@ -65,7 +66,7 @@ class RecordFilter {
   std::vector<std::string> skills_;
   std::string hand_;
   std::string outcome_;
-  std::string speaker_;
+  std::vector<std::string> speakers_;
   std::string text_;
   std::string kind_;
   std::optional<bool> is_held_;

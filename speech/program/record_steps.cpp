@@ -72,6 +72,10 @@ void ProgramRun::tell_which(const std::string& what) {
       if (what == "skill") names.push_back(step.skill);
     }
   }
+  for (const SpokenWords& words : outcome_.words) {
+    outcome_.cite(words.id, "words");
+    if (what == "person" && !words.speaker.empty()) names.push_back(words.speaker);
+  }
   for (const ThingState& state : outcome_.states) {
     outcome_.cite(state.id, "thing");
     if (what == "thing") names.push_back(world.spoken(state.id.entity()));

@@ -100,7 +100,7 @@ std::optional<Made> made_by(Kind kind, Source source) {
       {Kind::kNone,
        {kDone, Source::kWords, Source::kPlans, Source::kRefusals, Source::kDrives, Source::kThings},
        Made::kFlag},
-      {Kind::kHowMany, {kDone, Source::kThings, Source::kPlans}, Made::kNumber},
+      {Kind::kHowMany, {kDone, Source::kWords, Source::kThings, Source::kPlans}, Made::kNumber},
       {Kind::kAgo,
        {kDone, Source::kWords, Source::kPlans, Source::kRefusals, Source::kDrives, Source::kThings},
        Made::kNumber},
@@ -119,7 +119,7 @@ std::optional<Made> made_by(Kind kind, Source source) {
       {Kind::kFrom, {kDone}, Made::kOther},
       {Kind::kWho, {kDone, Source::kWords, Source::kPlans}, Made::kOther},
       {Kind::kWhoStopped, {kDone}, Made::kOther},
-      {Kind::kWhich, {kDone, Source::kThings, Source::kPlans}, Made::kOther},
+      {Kind::kWhich, {kDone, Source::kWords, Source::kThings, Source::kPlans}, Made::kOther},
       {Kind::kSaid, {kDone, Source::kWords, Source::kPlans}, Made::kOther},
       {Kind::kWhy, {kDone}, Made::kOther},
       {Kind::kReason, {kDone, Source::kRefusals, Source::kDrives}, Made::kOther},
@@ -210,9 +210,11 @@ class ProgramValidator {
     }
     if (is_one_of(step.kind, {Kind::kWhich, Kind::kHowMany})) {
       const std::string& text = step.argument->text;
-      if (text != "thing" && text != "hand" && text != "skill" && text != "place")
-        return invalid_argument("program: step {} is '{}', needs thing, hand, skill or place", name,
-                                printable(text));
+      if (text != "thing" && text != "hand" && text != "skill" && text != "place" &&
+          text != "person")
+        return invalid_argument(
+            "program: step {} is '{}', needs thing, hand, skill, place or person", name,
+            printable(text));
     }
     return {};
   }

@@ -89,7 +89,8 @@ class OutcomeTeller {
         last != nullptr && (last->kind == StepKind::kWho || last->kind == StepKind::kWhoStopped);
     if (!is_person && !outcome_.states.empty() && last != nullptr && last->kind == StepKind::kWhere)
       return told_state();
-    if (is_person && !outcome_.words.empty()) return sentence(told_words(outcome_.words.back()));
+    if (is_person && names.size() == 1 && !outcome_.words.empty())
+      return sentence(told_words(outcome_.words.back()));
     const std::string what = last != nullptr && last->argument ? last->argument->text : "";
     if (what == "hand" || (last != nullptr && last->kind == StepKind::kHolder))
       return sentence(fmt::format("my {} hand", joined(names)));

@@ -152,6 +152,71 @@ TEST(KnownFacts, TakeUpWhatCameSince) {
   EXPECT_EQ((*facts)->last_moment(), second(60, 1));
 }
 
+TEST(KnownFacts, TakeThingPlaceAndHandFromParameters) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto entity = *ltm::MemoryId::parse("Skill/Event/kitchen/place");
+  const auto commit = [&](double at, int32_t stage, int32_t outcome) {
+    // As the skill memory writes it: nothing but the parameters tells what it is about.
+    idf::Dict value{
+        {"skill", "kitchen/place"},
+        {"stage", stage},
+        {"outcome", outcome},
+        {"reason", "the table"},
+        {"started", to_ns(second(50))},
+        {"parameters", R"({"object":"Objects/Instances/kitchen/tea_box_1","surface":"table",)"
+                       R"("hand":"left","speed":2.5})"}};
+    ASSERT_OK(kitchen.memory().commit({{{entity, second(at), {{idf::Data(value), {}}}}}}));
+  };
+  commit(50, 0, 0);
+  commit(52, 1, 0);
+  commit(55, 2, 4);
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  ASSERT_THAT((*facts)->executions(), SizeIs(10));
+  const Execution& execution = (*facts)->executions().back();
+  EXPECT_EQ(execution.provider, "kitchen");
+  EXPECT_EQ(execution.thing, thing_entity("tea_box_1"));
+  ASSERT_TRUE(execution.place.has_value());
+  EXPECT_EQ((*facts)->world().spoken(*execution.place), "table");
+  EXPECT_EQ(execution.hand, "left");
+  EXPECT_EQ(execution.ended, second(55));
+  // It was lost: nobody knows how it ended.
+  EXPECT_EQ(execution.outcome, ltm::ActionOutcome::kUnknown);
+}
+
+TEST(KnownFacts, AreNotMisledByHostileValues) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const auto commit = [&](const char* name, idf::Dict value) {
+    const auto entity = *ltm::MemoryId::parse(std::string("Skill/Event/robot/") + name);
+    ASSERT_OK(
+        kitchen.memory().commit({{{entity, second(58), {{idf::Data(std::move(value)), {}}}}}}));
+  };
+  commit("a", {{"skill", ""}, {"outcome", "wonderful"}, {"plan", "a//b"}, {"parameters", "{{{"}});
+  commit("b", {{"skill", "x,y|z"},
+               {"outcome", idf::List{}},
+               {"stage", int32_t{99}},
+               {"started", "soon"},
+               {"stopped_by", "nobody"}});
+  // A plan that leads to itself ends somewhere.
+  const std::string self = "Tasks/Plans/robot/plan/2026-01-01 08:00:58.000000/0";
+  ASSERT_OK(kitchen.memory().commit(
+      {{{*ltm::MemoryId::parse("Tasks/Plans/robot/plan"),
+         second(58),
+         {{idf::Data(idf::Dict{{"goal", "x"}, {"steps", int32_t{3}}, {"command", self}}), {}}}}}}));
+  commit("c",
+         {{"skill", "robot/wave"}, {"outcome", int32_t{1}}, {"plan", self}, {"request", self}});
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  EXPECT_THAT((*facts)->executions(), SizeIs(12));
+  for (const Execution& execution : (*facts)->executions()) {
+    const auto causes = (*facts)->causes_of(execution);
+    ASSERT_OK(causes);
+    EXPECT_LE(causes->size(), 16u);
+  }
+}
+
 TEST(KnownFacts, ReadActionsOfBeforeThereWereEvents) {
   RememberedKitchen kitchen;
   const auto entity = *ltm::MemoryId::parse("Skills/Actions/robot/pick");

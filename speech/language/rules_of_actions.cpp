@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/language/grammar_rules.h"
+
+namespace engram::speech {
+
+/// How long, how far, how often and how many.
+GrammarRules::Found GrammarRules::amounts() {
+  if (parts_.asks == Asks::kHowLong || (parts_.asks == Asks::kNothing && main_.has("duration")) ||
+      (parts_.asks == Asks::kWhat && main_.has("duration"))) {
+    Program program = executions();
+    // What lies between two events is no execution.
+    if ((program.filters.empty() && !has_order()) || main_.has("between")) return {};
+    if (!main_.has_any({"altogether", "total", "overall"})) add_order(program, StepKind::kLast);
+    return program.then(StepKind::kHowLong);
+  }
+  if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
+    // How far away something is was never measured.
+    if (!is_of_robot() && !main_.has_verb()) return {};
+    Program program = executions();
+    if (program.find(FilterKey::kSkill) == nullptr)
+      if (const SkillVerb* verb = verb_of_skill("drive"))
+        if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
+          program.with(FilterKey::kSkill, skills);
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kHowFar);
+  }
+  const bool is_count = main_.has_any({"count", "number", "total"}) &&
+                        (parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhat);
+  const bool is_often = parts_.asks == Asks::kHowOften;
+  if (!is_often && parts_.asks != Asks::kHowMany && !is_count) return {};
+  if (asks_about_stop() || asks_about_failure()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_stop() ? "stop" : "failure");
+    return program.then(StepKind::kCount);
+  }
+  const bool is_of_persons = main_.has_any({"people", "person", "human", "somebody"});
+  if (!is_often && is_of_persons && asks_about_words()) {
+    Program program{ProgramSource::kWords, {}, {}};
+    add_times(program);
+    return program.then(StepKind::kHowMany, "person");
+  }
+  const bool is_of_words =
+      asks_about_words() &&
+      (!main_.has_verb() || main_.has_any({"request", "command", "order", "instruction"}));
+  if (is_of_words) {
+    Program program{main_.has_any({"say", "speak", "talk", "word"}) ? ProgramSource::kWords
+                                                                    : ProgramSource::kPlans,
+                    {},
+                    {}};
+    if (program.source == ProgramSource::kPlans) {
+      add_thing(program);
+      add_places(program);
+    }
+    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
+    add_times(program);
+    return program.then(StepKind::kCount);
+  }
+  if (!is_often && main_.has_any({"task", "job", "plan"}) && !main_.has_verb()) {
+    Program program{ProgramSource::kPlans, {}, {}};
+    add_times(program);
+    return program.then(StepKind::kCount);
+  }
+  const bool is_of_things = main_.has_any({"thing", "object", "item", "stuff"});
+  if (!is_often && is_of_things && main_.has_any({"handle", "touch", "manipulate"}) &&
+      !main_.has_verb())
+    return executions().then(StepKind::kHowMany, "thing");
+  if (!is_often && is_of_things && !main_.has_verb() && skills_of(main_).empty()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_places(program);
+    if (asks_about_holding()) program.with(FilterKey::kIsHeld, "yes");
+    if (asks_about_sight() && main_.has_words({"do", "you"}) && !main_.has("did"))
+      program.with(FilterKey::kVisible, "yes");
+    else if (asks_about_sight() && !main_.has("visible"))
+      program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+    else
+      add_moment(program);
+    return program.then(StepKind::kCount);
+  }
+  Program program = executions();
+  // What is tried with a thing, without a word for it, is to get it.
+  if (asks_about_attempts() && program.find(FilterKey::kSkill) == nullptr && !thing().empty())
+    if (const SkillVerb* pick = verb_of_skill("pick"))
+      if (const std::string picking = lexicon_.skills_of(*pick); !picking.empty())
+        program.with(FilterKey::kSkill, picking);
+  // Who was at a place has driven there.
+  if (program.find(FilterKey::kSkill) == nullptr && thing().empty() && !main_.places.empty())
+    if (const SkillVerb* verb = verb_of_skill("drive"))
+      if (const std::string driving = lexicon_.skills_of(*verb); !driving.empty())
+        program.with(FilterKey::kSkill, driving);
+  if (!is_often && is_of_things && !asks_about_attempts()) {
+    program.with(FilterKey::kOutcome, "success");
+    return program.then(StepKind::kHowMany, "thing");
+  }
+  if (program.filters.empty() &&
+      !main_.has_any({"action", "step", "try", "attempt", "do", "activity"}))
+    return {};
+  if (asks_about_success()) program.with(FilterKey::kOutcome, "success");
+  return program.then(StepKind::kCount);
+}
+
+GrammarRules::Found GrammarRules::which() {
+  // "Did you pick up the salt or the tea first?"
+  if (main_.things.size() > 1 && main_.has("or") && main_.has_verb() &&
+      !main_.has_any({"longer", "slower", "faster", "quicker", "than"}) &&
+      (parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || has_order())) {
+    Program program = executions();
+    add_order(program, {});
+    return program.then(StepKind::kWhich, "thing");
+  }
+  const bool is_either = (parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing) &&
+                         main_.hands.size() > 1 && main_.has("or");
+  const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || is_either;
+  if (asks_for_hand()) {
+    if (asks_about_holding() && !main_.has_verb()) {
+      Program program{ProgramSource::kThings, {}, {}};
+      add_thing(program);
+      add_moment(program);
+      if (thing().empty()) program.with(FilterKey::kIsHeld, "yes");
+      return program.then(StepKind::kHolder);
+    }
+    Program program = executions();
+    // "Left or right" names no hand that was used.
+    std::erase_if(program.filters,
+                  [](const ProgramFilter& filter) { return filter.key == FilterKey::kHand; });
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kWhich, "hand");
+  }
+  if (!is_which || asks_about_words() || asks_about_sight() || asks_about_holding()) return {};
+  const bool is_of_thing = main_.has_any({"thing", "object", "item"}) || parts_.asks == Asks::kWhat;
+  if (is_of_thing && !main_.has_verb() && thing().empty() &&
+      (main_.has_any({"handle", "touch", "manipulate", "deal"}) ||
+       (main_.has("action") && main_.has("about"))))
+    return executions().then(StepKind::kWhich, "thing");
+  if (asks_about_failure() || asks_about_stop()) {
+    const bool is_thing = main_.has_any({"thing", "object", "item"}) && main_.has_verb() &&
+                          (main_.has("you") || main_.has("robot"));
+    const bool is_what_verbed = parts_.asks == Asks::kWhat && main_.has_verb() &&
+                                skills_of(main_).size() > 0 && thing().empty();
+    if (!is_thing && !is_what_verbed) return {};
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kWhich, "thing");
+  }
+  // "What did you pick up?" asks for a thing, "Which place did you drive to?" for a place.
+  const std::string skills = skills_of(main_);
+  if (skills.empty() || !thing().empty() || main_.has("do") == false) {
+    if (skills.empty() || !thing().empty()) return {};
+  }
+  Program program = executions();
+  const SkillVerb* drive = verb_of_skill("drive");
+  const bool is_place = drive != nullptr && skills == lexicon_.skills_of(*drive);
+  if (!asks_about_attempts()) program.with(FilterKey::kOutcome, "success");
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kWhich, is_place && main_.places.empty() ? "place" : "thing");
+}
+
+/// What was done, what was said, and what went wrong.
+GrammarRules::Found GrammarRules::what() {
+  if (main_.has("skill") && !main_.has_verb() && parts_.asks != Asks::kNothing &&
+      is_of_robot() == false && (parts_.times.at || main_.has("run")))
+    return executions().then(StepKind::kWhich, "skill");
+  if (main_.has("know") && main_.has_any({"thing", "object", "item"}) && !main_.has_verb() &&
+      (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich)) {
+    Program program{ProgramSource::kThings, {}, {}};
+    return program.then(StepKind::kWhich, "thing");
+  }
+  const bool is_narration = main_.has_any({"summarize", "summarise", "summary", "describe",
+                                           "report", "narrate", "recap", "list", "story"}) ||
+                            (parts_.asks == Asks::kNothing && main_.has("about")) ||
+                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be")) ||
+                            (parts_.asks == Asks::kHow && main_.has("go") && main_.has("it"));
+  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
+                       (parts_.asks == Asks::kNothing &&
+                        (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
+  if (!is_what) return {};
+  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && has_order() &&
+                          !main_.has("did") && !main_.has_verb();
+  const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
+                           (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
+  if (is_of_words) {
+    const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||
+                         (main_.has("tell") && !main_.has_any({"do", "to"}));
+    Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
+    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
+    if (!is_said) {
+      add_thing(program);
+      add_places(program);
+    }
+    // "What did Ben say when he stopped you?"
+    const bool is_of_stop =
+        is_said && (asks_about_stop() ||
+                    (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"})));
+    if (is_of_stop)
+      program.with(FilterKey::kText, "stop");
+    else
+      add_times(program);
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kSaid);
+  }
+  if (asks_about_failure() || asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kEvents);
+  }
+  // "What were you doing when you were stopped?"
+  if (parts_.beside && parts_.beside->link == ClauseLink::kWhile && main_.has("do") &&
+      parts_.beside->parts.has_any({"stop", "interrupt", "fail"}) &&
+      !parts_.beside->parts.has("say")) {
+    Program program = executions_of(parts_.beside->parts);
+    program.with(FilterKey::kOutcome, parts_.beside->parts.has("fail") ? "failure" : "stop");
+    return program.then(StepKind::kLast).then(StepKind::kEvents);
+  }
+  const bool is_of_doing =
+      main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}) ||
+      (asks_about_success() && thing().empty()) ||
+      main_.has_any({"do", "happen", "occur", "action", "activity", "task", "work", "job", "busy",
+                     "step", "event", "accomplish", "achieve", "longest", "shortest"}) ||
+      is_narration;
+  if (!is_of_doing) return {};
+  // What was done right beside something else is the one action there.
+  if (parts_.beside && parts_.beside->link != ClauseLink::kWhile && !has_order() && !is_narration) {
+    auto moment = moment_of_clause();
+    if (moment && moment->source == ProgramSource::kExecutions && parts_.times.empty()) {
+      moment->steps.pop_back();
+      moment->then(parts_.beside->link == ClauseLink::kAfter ? StepKind::kNext
+                                                             : StepKind::kPrevious);
+      return moment->then(StepKind::kEvents);
+    }
+  }
+  if (main_.has_any({"longest", "shortest", "slowest", "quickest", "fastest"}) &&
+      !main_.has("did")) {
+    Program program = executions();
+    add_order(program, {});
+    return program.then(StepKind::kEvents);
+  }
+  Program program = executions();
+  if (parts_.times.is_now && parts_.times.empty()) program.with(FilterKey::kAt, "now");
+  if (asks_about_success() || main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}))
+    program.with(FilterKey::kOutcome, "success");
+  const bool needs_place = main_.has("be") || main_.has("do");
+  if (program.find(FilterKey::kPlace) != nullptr && !needs_place) return {};
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kEvents);
+}
+
+}  // namespace engram::speech
