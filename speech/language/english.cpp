@@ -113,13 +113,16 @@ const std::set<std::string>& english_spellings() {
     std::set<std::string> spellings;
     const auto add = [&](const std::string& word) {
       spellings.insert(word);
-      for (const char* ending : {"s", "ed", "ing", "d"}) spellings.insert(word + ending);
+      const bool has_e = word.back() == 'e';
+      for (const char* ending : {"s", has_e ? "d" : "ed"}) spellings.insert(word + ending);
+      if (!has_e) spellings.insert(word + "ing");
       if (word.back() == 'e') spellings.insert(word.substr(0, word.size() - 1) + "ing");
       if (word.back() == 'p' || word.back() == 'b' || word.back() == 't')
         for (const char* ending : {"ed", "ing"}) spellings.insert(word + word.back() + ending);
     };
     for (const std::string& word : grammar_lemmas()) add(word);
     for (const std::string& word : fillers()) spellings.insert(word);
+    for (const std::string& word : irregular_words()) spellings.insert(word);
     for (const char* word : {"yesterday", "between", "seconds", "minutes", "driven", "drove",
                              "taken", "brought", "happened", "carried", "placed", "visible"})
       spellings.insert(word);

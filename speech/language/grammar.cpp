@@ -96,6 +96,11 @@ std::optional<StrangeName> strange_name(const std::vector<TaggedWord>& words, si
       return StrangeName{std::move(name), FilterKey::kSpeaker};
     }
   }
+  // Who stands where "you" would: "Why did grandma stop you?"
+  const bool is_subject = at > 1 && is_among_words(before, {"did", "does", "has", "was", "is"}) &&
+                          at + 1 < words.size() && !word.ends_clause &&
+                          words[at + 1].tag != WordTag::kUnknown;
+  if (is_subject) return StrangeName{word.text, FilterKey::kSpeaker};
   if (is_article(before) || has_thing_beside) {
     size_t begin = at;
     while (begin > 0 &&

@@ -57,8 +57,10 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
     std::string named = verb == nullptr ? std::string() : lexicon_.skills_of(*verb);
     if (!named.empty()) skills.push_back(std::move(named));
   };
-  const bool has_thing = !clause.things.empty() ||
-                         clause.has_any({"it", "them", "something", "anything", "thing", "object"});
+  // "How long did it take" is of no thing.
+  const bool is_it = clause.has("it") && !clause.has_words({"it", "take"});
+  const bool has_thing = !clause.things.empty() || is_it ||
+                         clause.has_any({"them", "something", "anything", "thing", "object"});
   const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
   const auto carry = [&](const std::string& lemma) {
     if (!has_thing && clause.places.empty()) return false;

@@ -155,6 +155,12 @@ const std::map<std::string_view, std::string_view>& irregular_forms() {
 
 }  // namespace
 
+std::vector<std::string> irregular_words() {
+  std::vector<std::string> words;
+  for (const auto& [word, lemma] : irregular_forms()) words.emplace_back(word);
+  return words;
+}
+
 std::string lemma_of(const std::string& word) {
   const auto& forms = irregular_forms();
   if (const auto found = forms.find(word); found != forms.end()) return std::string(found->second);
@@ -171,7 +177,8 @@ std::string lemma_of(const std::string& word) {
   };
   const auto stem_of = [&](std::string stem) {
     if (is_doubled(stem)) stem.pop_back();
-    if (needs_e(stem) || stem.ends_with("cat") || stem.ends_with("ipulat")) stem += 'e';
+    if (needs_e(stem) || stem.ends_with("cat") || stem.ends_with("gat") || stem.ends_with("ipulat"))
+      stem += 'e';
     return stem;
   };
   if (word.size() > 5 && word.ends_with("ing")) return stem_of(without(3));

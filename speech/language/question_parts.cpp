@@ -50,6 +50,11 @@ std::optional<ClauseLink> link_of(const TaggedWord& word) {
 size_t end_of_clause(const TaggedWords& words, size_t begin) {
   for (size_t at = begin; at < words.size(); ++at) {
     if (words[at].ends_clause) return at + 1;
+    // "when you could not lift the salt did you repeat it": whoever leaves out the comma.
+    if (begin == 1 && at > begin + 1 && is_auxiliary(words[at]) && at + 1 < words.size() &&
+        is_word(words[at + 1], {"you", "it", "the", "there"}) &&
+        !is_word(words[at - 1], {"you", "that", "which"}))
+      return at;
     if (at > begin + 1 && asked_by(words, at) != Asks::kNothing && !is_word(words[at], {"when"}))
       return at;
   }

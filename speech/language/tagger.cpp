@@ -128,11 +128,13 @@ class WordTagger final : public Tagger {
     int best_apart = word.size() >= 9 ? 3 : 2;
     for (const std::string& known : english_spellings()) {
       if (known.size() + 1 < kMinCorrected) continue;
-      const int apart = letters_apart(word, known, best_apart - 1);
-      if (apart >= best_apart) continue;
+      // Letters that changed places are the likeliest mistake: "hanlding" is no "handing".
+      const bool is_swapped = has_same_letters(word, known);
+      const int apart = letters_apart(word, known, best_apart);
+      if (apart > best_apart || (apart == best_apart && (best.empty() || !is_swapped))) continue;
       // Where a name may stand, a letter that is another one makes another name.
-      const bool is_sure = has_same_letters(word, known) ||
-                           (word.size() >= 6 && known.size() >= 6 && word.size() != known.size());
+      const bool is_sure =
+          is_swapped || (word.size() >= 6 && known.size() >= 6 && word.size() != known.size());
       if (is_name && !is_sure) continue;
       best = known;
       best_apart = apart;

@@ -33,6 +33,9 @@ Result<std::vector<QuestionWord>> split_words(std::string_view question);
 /// "pick", "took" is "take". A word that is not known stays as it is.
 [[nodiscard]] std::string lemma_of(const std::string& word);
 
+/// The forms of verbs and nouns that no ending makes: "took", "failure".
+[[nodiscard]] std::vector<std::string> irregular_words();
+
 /// "three" is 3, "a" is 1, "12" is 12; -1 is no number.
 [[nodiscard]] int number_named(std::string_view word);
 
