@@ -63,8 +63,11 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
                          clause.has_any({"them", "something", "anything", "thing", "object"});
   const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
   const auto carry = [&](const std::string& lemma) {
+    // To bring needs a thing, also where the question is which.
+    const bool is_of_thing = has_thing || lemma == "bring" || lemma == "carry" ||
+                             lemma == "transport" || lemma == "deliver";
     if (!has_thing && clause.places.empty()) return false;
-    if (has_thing && !clause.places.empty() && leads_somewhere) {
+    if (is_of_thing && !clause.places.empty() && leads_somewhere) {
       add("place");
       return true;
     }
@@ -88,6 +91,11 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
     if ((verb->lemma == "take" || verb->lemma == "get") && clause.verbs.size() > 1 &&
         clause.has_any({"how_long", "long", "longer", "it"}))
       continue;
+    // To leave a place is no skill of putting.
+    if (verb->lemma == "leave" && !has_thing) {
+      skills.push_back(verb->lemma);
+      continue;
+    }
     if (verb->lemma == "take" && clause.has_any({"how_long", "longer", "longest", "shortest"}) &&
         !has_thing)
       continue;
@@ -263,6 +271,14 @@ bool GrammarRules::asks_about_success() const {
 }
 
 GrammarRules::Found GrammarRules::program() {
+  // What lies between two events, and what was not done, are other questions than these words
+  // without "between" and "not".
+  if (main_.has("between")) return {};
+  const bool is_list = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat ||
+                       parts_.asks == Asks::kWhere || parts_.asks == Asks::kWho ||
+                       parts_.asks == Asks::kHowMany;
+  const bool is_would = main_.has("would") || main_.has("if");
+  if (is_list && main_.has_any({"not", "never"}) && !is_would && !asks_about_failure()) return {};
   using Rule = Found (GrammarRules::*)();
   constexpr Rule kRules[] = {
       &GrammarRules::instead,  &GrammarRules::who,     &GrammarRules::why,   &GrammarRules::when,

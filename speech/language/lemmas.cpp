@@ -170,9 +170,10 @@ std::string lemma_of(const std::string& word) {
            stem.back() != 'l';
   };
   const auto needs_e = [](const std::string& stem) {
-    constexpr std::array<std::string_view, 12> kStems{"mov",    "plac",  "clos",   "us",
-                                                      "driv",   "tak",   "handl",  "leav",
-                                                      "observ", "notic", "releas", "wip"};
+    constexpr std::array<std::string_view, 20> kStems{
+        "complet", "achiev", "arriv",  "caus",  "describ", "retriev", "navigat",
+        "prepar",  "mov",    "plac",   "clos",  "us",      "driv",    "tak",
+        "handl",   "leav",   "observ", "notic", "releas",  "wip"};
     return std::find(kStems.begin(), kStems.end(), stem) != kStems.end();
   };
   const auto stem_of = [&](std::string stem) {

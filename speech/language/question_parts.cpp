@@ -86,7 +86,7 @@ std::optional<SubordinateClause> take_clause(TaggedWords& words) {
     if (is_when && at == 0 && end == words.size()) continue;
     if (is_when && at > 0 && is_word(words[at - 1], {"and", "or"})) continue;
     if (!has_event(words, at + 1, end)) continue;
-    SubordinateClause clause{*link,
+    SubordinateClause clause{*link, words[at].text == "since",
                              ClauseParts(TaggedWords(words.begin() + static_cast<ptrdiff_t>(at) + 1,
                                                      words.begin() + static_cast<ptrdiff_t>(end)))};
     TaggedWords rest(words.begin(), words.begin() + static_cast<ptrdiff_t>(at));
@@ -148,7 +148,8 @@ bool asks_of_clause(const TaggedWords& main, Asks asks) {
   if (asks == Asks::kWhy || asks == Asks::kHowLong || asks == Asks::kHowFar) return true;
   if (has({"hold", "carry", "see", "be"}) && asks == Asks::kWhere) return false;
   if (asks == Asks::kWhat && has({"happen"})) return true;
-  return has({"hand", "arm", "gripper", "distance", "duration", "fail"});
+  return has({"hand", "arm", "gripper", "distance", "duration", "fail", "trouble", "problem",
+              "difficulty", "wrong", "mistake"});
 }
 
 std::vector<TaggedWords> sentences_of(const TaggedWords& words) {

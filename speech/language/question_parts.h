@@ -62,6 +62,7 @@ enum class ClauseLink { kAfter, kBefore, kWhile };
 
 struct SubordinateClause {
   ClauseLink link{};
+  bool is_since = false;  ///< "Since" asks how long ago, and "after" does not.
   ClauseParts parts;
 };
 

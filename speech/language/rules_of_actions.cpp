@@ -9,10 +9,15 @@ GrammarRules::Found GrammarRules::amounts() {
       (parts_.asks == Asks::kWhat && main_.has("duration"))) {
     Program program = executions();
     // What lies between two events is no execution.
-    if ((program.filters.empty() && !has_order()) || main_.has("between")) return {};
+    if (program.filters.empty() && !has_order()) return {};
+    const bool is_of_clause = parts_.beside && !main_.has_verb() && thing().empty();
+    if (main_.has_any({"after", "before"}) || is_of_clause) return {};
     if (!main_.has_any({"altogether", "total", "overall"})) add_order(program, StepKind::kLast);
     return program.then(StepKind::kHowLong);
   }
+  if (main_.has_any({"total", "altogether", "overall"}) && main_.has("time") && main_.has_verb() &&
+      parts_.asks != Asks::kHowOften)
+    return executions().then(StepKind::kHowLong);
   if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
     // How far away something is was never measured.
     if (!is_of_robot() && !main_.has_verb()) return {};
@@ -132,8 +137,8 @@ GrammarRules::Found GrammarRules::which() {
        (main_.has("action") && main_.has("about"))))
     return executions().then(StepKind::kWhich, "thing");
   if (asks_about_failure() || asks_about_stop()) {
-    const bool is_thing = main_.has_any({"thing", "object", "item"}) && main_.has_verb() &&
-                          (main_.has("you") || main_.has("robot"));
+    const bool is_thing = main_.has_any({"object", "item"}) ||
+                          (main_.has("thing") && main_.has_verb() && is_of_robot());
     const bool is_what_verbed = parts_.asks == Asks::kWhat && main_.has_verb() &&
                                 skills_of(main_).size() > 0 && thing().empty();
     if (!is_thing && !is_what_verbed) return {};
@@ -157,6 +162,14 @@ GrammarRules::Found GrammarRules::which() {
 
 /// What was done, what was said, and what went wrong.
 GrammarRules::Found GrammarRules::what() {
+  // "How did the grasp of the salt end?", "What was the result of picking up the salt?"
+  const bool is_of_end = main_.has_any({"outcome", "result", "status"}) ||
+                         (parts_.asks == Asks::kHow && main_.has_any({"end", "go", "turn"}));
+  if (is_of_end && (main_.has_verb() || has_order()) && parts_.asks != Asks::kWhether) {
+    Program program = executions();
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kReason);
+  }
   if (main_.has("skill") && !main_.has_verb() && parts_.asks != Asks::kNothing &&
       is_of_robot() == false && (parts_.times.at || main_.has("run")))
     return executions().then(StepKind::kWhich, "skill");
@@ -174,8 +187,9 @@ GrammarRules::Found GrammarRules::what() {
                        (parts_.asks == Asks::kNothing &&
                         (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
   if (!is_what) return {};
-  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && has_order() &&
-                          !main_.has("did") && !main_.has_verb();
+  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) &&
+                          (has_order() || !main_.persons.empty()) && !main_.has("did") &&
+                          !main_.has_verb();
   const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
   if (is_of_words) {

@@ -15,9 +15,10 @@ GrammarRules::Found GrammarRules::instead() {
       is_cut_off && (main_.has_any({"left", "leave", "remain", "rest", "intend", "intention",
                                     "plan", "next", "else", "still"}) ||
                      main_.has_words({"going", "to", "do"}));
+  const bool is_done = main_.has_any({"did", "does"}) && !main_.has("plan");
   const bool is_next =
       main_.has("next") && (main_.has("plan") || main_.has("intend")) && is_of_robot();
-  if (!is_would && !is_instead && !is_left && !is_next) return {};
+  if (!is_would && !is_instead && (!is_left || is_done) && !is_next) return {};
   Program program{ProgramSource::kExecutions, {}, {}};
   add_thing(program);
   if (!parts_.beside) add_times(program);
@@ -131,11 +132,10 @@ GrammarRules::Found GrammarRules::why() {
 }
 
 GrammarRules::Found GrammarRules::when() {
-  const bool is_ago =
-      parts_.asks == Asks::kHowAgo ||
-      (parts_.asks == Asks::kHowLong &&
-       (main_.has_any({"since", "ago"}) ||
-        (parts_.beside && parts_.beside->link == ClauseLink::kAfter && !main_.has_verb())));
+  const bool is_ago = parts_.asks == Asks::kHowAgo ||
+                      (parts_.asks == Asks::kHowLong &&
+                       (main_.has_any({"since", "ago"}) ||
+                        (parts_.beside && parts_.beside->is_since && !main_.has_verb())));
   const bool is_noun = parts_.asks == Asks::kNothing && main_.has("time") && has_order();
   if (parts_.asks != Asks::kWhen && !is_ago && !is_noun) return {};
   const StepKind step = is_ago ? StepKind::kAgo : StepKind::kWhen;

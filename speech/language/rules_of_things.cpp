@@ -80,6 +80,9 @@ GrammarRules::Found GrammarRules::where() {
 GrammarRules::Found GrammarRules::holding() {
   if (parts_.asks == Asks::kWhether || !asks_about_holding()) return on_place();
   if (parts_.asks != Asks::kWhat && parts_.asks != Asks::kWhich) return {};
+  // What was carried to a place was placed there.
+  if (main_.has("carry") && !main_.places.empty())
+    return executions().with(FilterKey::kOutcome, "success").then(StepKind::kWhich, "thing");
   Program program{ProgramSource::kThings, {}, {}};
   program.with(FilterKey::kIsHeld, "yes");
   if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());

@@ -105,6 +105,11 @@ GrammarRules::Found GrammarRules::whether() {
   if (Found found = whether_asked()) return found;
   const std::string skills = skills_of(main_);
   if (skills.empty() && thing().empty() && main_.places.empty() && main_.hands.empty()) {
+    if (asks_about_success() && has_order() && main_.has_any({"action", "task", "step"})) {
+      Program program = executions();
+      add_order(program, {});
+      return program.then(StepKind::kSucceeded);
+    }
     if (asks_about_success() && is_of_robot()) {
       Program program = executions();
       program.with(FilterKey::kOutcome, "problem");
@@ -164,6 +169,13 @@ GrammarRules::Found GrammarRules::whether_failed() {
     return program.then(StepKind::kNone);
   }
   if (asks_about_stop()) {
+    // Whether somebody did is told by who said so.
+    if (!main_.persons.empty()) {
+      Program program{ProgramSource::kWords, {}, {}};
+      program.with(FilterKey::kSpeaker, any_of_names(main_.persons)).with(FilterKey::kText, "stop");
+      add_times(program);
+      return program.then(StepKind::kExists);
+    }
     Program program = executions();
     program.with(FilterKey::kOutcome, "stop");
     return program.then(StepKind::kExists);
