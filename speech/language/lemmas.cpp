@@ -126,6 +126,7 @@ const std::map<std::string_view, std::string_view>& irregular_forms() {
                                                                    {"was", "be"},
                                                                    {"perhaps", "perhaps"},
                                                                    {"yes", "yes"},
+                                                                   {"going", "go"},
                                                                    {"placement", "place"},
                                                                    {"interruption", "interrupt"},
                                                                    {"interruptions", "interrupt"},

@@ -29,6 +29,8 @@ GrammarRules::Found GrammarRules::amounts() {
     if (has_order()) add_order(program, {});
     return program.then(StepKind::kHowFar);
   }
+  // Steps of a plan are no executions, and no program counts them.
+  if (main_.has("step") && main_.has("plan")) return {};
   const bool is_count = main_.has_any({"count", "number", "total"}) &&
                         (parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhat);
   const bool is_often = parts_.asks == Asks::kHowOften;
