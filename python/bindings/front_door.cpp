@@ -4,10 +4,14 @@
 #include <pybind11/stl.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cstdlib>
+
 #include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
 #include "python/bindings/values.h"
+#include "speech/telling/tell_period.h"
 
 namespace engram::python {
 
@@ -34,8 +38,14 @@ std::unique_ptr<Memory> made(F make) {
 
 }  // namespace
 
-FrontDoor::FrontDoor(std::unique_ptr<Memory> memory)
-    : process_(::getpid()), memory_(std::move(memory)) {}
+FrontDoor::FrontDoor(std::unique_ptr<Memory> memory, bool is_past)
+    : is_past_(is_past), process_(::getpid()), memory_(std::move(memory)) {}
+
+std::unique_ptr<FrontDoor> FrontDoor::read(const std::string& store) {
+  const OpenOptions options{.is_read_only = true, .notes_reads = false};
+  return std::unique_ptr<FrontDoor>(
+      new FrontDoor(made([&] { return Memory::open(store, options); }), true));
+}
 
 std::unique_ptr<FrontDoor> FrontDoor::open(const std::string& store, const OpenOptions& options) {
   return std::unique_ptr<FrontDoor>(
@@ -51,7 +61,7 @@ std::unique_ptr<FrontDoor> FrontDoor::connect(const std::string& endpoint,
 std::unique_ptr<FrontDoor> FrontDoor::replay(const std::string& store,
                                              const ReplayOptions& options) {
   return std::unique_ptr<FrontDoor>(
-      new FrontDoor(made([&] { return Memory::replay(store, options); })));
+      new FrontDoor(made([&] { return Memory::replay(store, options); }), true));
 }
 
 FrontDoor::~FrontDoor() {
@@ -207,6 +217,63 @@ void FrontDoor::commit(const py::list& updates, const std::string& durability) {
   with_memory([&](Memory& memory) { return memory.commit(commit, until); });
 }
 
+/// The days of TZ where the environment sets it, as `engram ask` does.
+template <typename F>
+Result<std::string> FrontDoor::with_asker(Memory& memory, std::optional<int64_t> now, F work) {
+  const MutexLock lock(speech_mutex_);
+  if (asker_ == nullptr) {
+    const char* zone = std::getenv("TZ");
+    const bool is_local = zone != nullptr && *zone != '\0';
+    ENGRAM_ASSIGN_OR_RETURN(
+        asker_, speech::Asker::create(
+                    memory, {.zone = is_local ? speech::DayZone::kLocal : speech::DayZone::kUtc}));
+  } else {
+    ENGRAM_RETURN_IF_ERROR(asker_->refresh());
+  }
+  const Time last = is_past_ ? asker_->facts().last_moment() : system_now();
+  return work(*asker_, now ? time_from_ns(*now) : last);
+}
+
+std::string FrontDoor::ask(const std::string& question, std::optional<int64_t> now,
+                           bool is_program) {
+  return with_memory([&](Memory& memory) {
+    return with_asker(memory, now, [&](speech::Asker& asker, Time when) -> Result<std::string> {
+      const auto answer = [&]() -> Result<speech::Answer> {
+        if (!is_program) return asker.ask(question, when);
+        ENGRAM_ASSIGN_OR_RETURN(const speech::Program program, speech::Program::parse(question));
+        return asker.ask_program(program, when);
+      }();
+      ENGRAM_RETURN_IF_ERROR(answer.status());
+      return answer->to_json().dump(-1, ' ', false,
+                                    nlohmann::ordered_json::error_handler_t::replace);
+    });
+  });
+}
+
+std::string FrontDoor::tell(const std::string& since, const std::string& until,
+                            std::optional<int64_t> now, size_t sentences) {
+  return with_memory([&](Memory& memory) {
+    return with_asker(memory, now, [&](speech::Asker& asker, Time when) -> Result<std::string> {
+      ENGRAM_ASSIGN_OR_RETURN(const speech::Period from,
+                              speech::resolve_period(since, when, asker.zone()));
+      ENGRAM_ASSIGN_OR_RETURN(const speech::Period to,
+                              speech::resolve_period(until, when, asker.zone()));
+      ENGRAM_ASSIGN_OR_RETURN(
+          const auto narration,
+          speech::tell_period(asker.facts(), {from.from, std::max(from.from, to.to)}, when,
+                              asker.zone(), sentences));
+      nlohmann::ordered_json told = nlohmann::ordered_json::array();
+      for (const speech::NarrationSentence& one : narration) {
+        nlohmann::ordered_json links = nlohmann::ordered_json::array();
+        for (const ltm::MemoryId& id : one.links) links.push_back(id.to_string());
+        told.push_back(
+            {{"level", speech::name_of(one.level)}, {"text", one.text}, {"links", links}});
+      }
+      return told.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    });
+  });
+}
+
 std::unique_ptr<Watch> FrontDoor::watch(const SubscriptionOptions& options) {
   const auto inbox = std::make_shared<Inbox>(options.queue_bound);
   auto subscription = with_memory(
@@ -223,6 +290,10 @@ void FrontDoor::close() {
     const py::gil_scoped_release released;
     if (process_ != ::getpid()) return {};
     std::shared_ptr<Memory> memory;
+    {
+      const MutexLock lock(speech_mutex_);
+      asker_.reset();
+    }
     {
       const MutexLock lock(mutex_);
       memory.swap(memory_);

@@ -15,6 +15,7 @@
 #include "memory/memory.h"
 #include "python/bindings/bound_similar.h"
 #include "python/bindings/watch.h"
+#include "speech/language/asker.h"
 
 namespace engram::python {
 
@@ -78,6 +79,17 @@ class FrontDoor {
   /// Declares the type of a segment. `type` is the result of engram.idf.type_to_data.
   void declare(const std::string& segment, const pybind11::object& type);
 
+  /// Opens a store for reading alone.
+  static std::unique_ptr<FrontDoor> read(const std::string& store);
+
+  /// Answers a question in English, or a program (docs/verbalisation.md), as JSON. `now` (ns) is
+  /// when it is asked; None: the last moment of a store that is read, else that of the clock.
+  std::string ask(const std::string& question, std::optional<int64_t> now, bool is_program);
+
+  /// Tells a time in at most `sentences`: a JSON list of {"level", "text", "links"}.
+  std::string tell(const std::string& since, const std::string& until, std::optional<int64_t> now,
+                   size_t sentences);
+
   /// Commits updates, see commit_of(). `durability` is "default", "memory" or "journal".
   void commit(const pybind11::list& updates, const std::string& durability);
 
@@ -88,15 +100,24 @@ class FrontDoor {
   void close();
 
  private:
-  explicit FrontDoor(std::unique_ptr<Memory> memory);
+  explicit FrontDoor(std::unique_ptr<Memory> memory, bool is_past = false);
 
   template <typename F>
   auto with_memory(F work);
+
+  /// Calls `work` with what the memory tells now, and when it is asked.
+  template <typename F>
+  Result<std::string> with_asker(Memory& memory, std::optional<int64_t> now, F work);
 
   /// Times of an entity's snapshots, without reading their data.
   Result<std::vector<int64_t>> times_of(Memory& memory, const std::string& entity,
                                         const std::vector<ltm::Selector>& selectors);
 
+  /// Whether "now" is its last moment, because nothing is added to it.
+  const bool is_past_;
+  Mutex speech_mutex_;
+  /// Null until something is asked, and once it is closed. Refers to the memory.
+  std::unique_ptr<speech::Asker> asker_ ENGRAM_GUARDED_BY(speech_mutex_);
   /// The process that opened it: threads and connections do not survive a fork.
   const int process_;
   Mutex mutex_;

@@ -49,15 +49,18 @@ if TYPE_CHECKING:
         skill,
     )
     from engram.snapshot import Engine, Instance, MeasuredError, MemberPrediction, Snapshot
+    from engram.speech import Answer, Evidence, Told
     from engram.viewing import View
     from engram.watching import Event, Watch
 
 _PLACES = {
+    "Answer": "engram.speech",
     "Bar": "engram.progress",
     "EngramError": "engram.errors",
     "Engine": "engram.snapshot",
     "Entity": "engram.entity",
     "Event": "engram.watching",
+    "Evidence": "engram.speech",
     "Instance": "engram.snapshot",
     "Latents": "engram.model",
     "MeasuredError": "engram.snapshot",
@@ -80,6 +83,7 @@ _PLACES = {
     "SkillResult": "engram.skills",
     "SkillRun": "engram.skills",
     "Snapshot": "engram.snapshot",
+    "Told": "engram.speech",
     "Update": "engram.recording",
     "View": "engram.viewing",
     "Watch": "engram.watching",
@@ -97,11 +101,13 @@ _PLACES = {
 }
 
 __all__ = [
+    "Answer",
     "Bar",
     "EngramError",
     "Engine",
     "Entity",
     "Event",
+    "Evidence",
     "Instance",
     "Latents",
     "MeasuredError",
@@ -124,6 +130,7 @@ __all__ = [
     "SkillResult",
     "SkillRun",
     "Snapshot",
+    "Told",
     "Update",
     "View",
     "Watch",

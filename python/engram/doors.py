@@ -36,7 +36,7 @@ class StoreDoor:
         self.similar = self._store.similar
         self.map = self._store.map
         self.refresh = self._store.refresh
-        self.close = self._store.close
+        self._asked: _core.FrontDoor | None = None
 
     def select(self, entity: str, selector: str) -> list[dict[str, Any]]:
         return self._store.select(entity, selector, self._prefers_latents)
@@ -51,6 +51,17 @@ class StoreDoor:
 
     def engines(self, entity: str, ahead: int, start: int | None) -> list[dict[str, Any]]:
         return self._store.engines(entity, ahead, start, self._prefers_latents)
+
+    def asked(self) -> _core.FrontDoor:
+        """What answers questions in English; opened when the first is asked."""
+        if self._asked is None:
+            self._asked = _core.FrontDoor.read(self._path)
+        return self._asked
+
+    def close(self) -> None:
+        if self._asked is not None:
+            self._asked.close()
+        self._store.close()
 
     def files(self) -> _core.OpenStore:
         """What is in files and no part of an answer: models, latents."""
@@ -103,6 +114,9 @@ class LiveDoor:
         )
 
     def live(self) -> _core.FrontDoor:
+        return self._front
+
+    def asked(self) -> _core.FrontDoor:
         return self._front
 
 

@@ -19,7 +19,8 @@ from engram.model import Model
 from engram.recording import Update, dict_of
 from engram.replaying import Replaying
 from engram.snapshot import Snapshot, snapshot_of
-from engram.times import DurationLike, TimeLike, duration_ns
+from engram.speech import Answer, Told, answer_of, told_of
+from engram.times import DurationLike, TimeLike, duration_ns, to_ns
 from engram.viewing import View, view
 from engram.watching import Watch
 
@@ -148,6 +149,34 @@ class Memory(Closing):
             [text_of("name", one) for one in patterns], bool(data), max_bytes, queue
         )
         return Watch(told, timeout)
+
+    def ask(
+        self, question: str, *, now: TimeLike | None = None, is_program: bool = False
+    ) -> Answer:
+        """Answers a question in English about what the robot did, saw and was told, and why.
+
+        What the memory does not tell is "unknown", with what was looked for; so is what could not
+        be read. `now`: when it is asked, which "yesterday" counts from; without it the last moment
+        of a store that is read, else that of the clock. `is_program`: the question is a program
+        (docs/verbalisation.md). Raises InvalidArgumentError for one that does not validate.
+        """
+        when = None if now is None else to_ns(now)
+        return answer_of(self._door.asked().ask(question, when, is_program))
+
+    def tell(
+        self,
+        since: str = "today",
+        until: str = "now",
+        *,
+        now: TimeLike | None = None,
+        sentences: int = 10,
+    ) -> list[Told]:
+        """Tells what the robot did in a time, in a few sentences with links.
+
+        Times are those of programs: "yesterday", "today/morning", "2026-01-02/08:05", "now-10m".
+        """
+        when = None if now is None else to_ns(now)
+        return told_of(self._door.asked().tell(since, until, when, sentences))
 
     @property
     def replaying(self) -> Replaying:
