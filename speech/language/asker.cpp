@@ -59,9 +59,16 @@ Result<Answer> Asker::ask(std::string_view question, Time now) {
   const SteadyTime began = steady_now();
   ParsedQuestion parsed = parse_question(question, *lexicon_, *tagger_, now, options_.zone);
   Answer answer;
-  if (parsed.program) {
-    ENGRAM_ASSIGN_OR_RETURN(answer, ask_program(*parsed.program, now));
-  } else {
+  auto executed = parsed.program ? ask_program(*parsed.program, now) : Result<Answer>(Answer());
+  // Times that make no sense at this moment are the question's fault: "from now to 8:00".
+  if (!executed.ok() && executed.status().code() == StatusCode::kInvalidArgument) {
+    parsed.refusal = "I am sorry, I do not understand when you mean.";
+    parsed.program.reset();
+    executed = Answer();
+  }
+  ENGRAM_RETURN_IF_ERROR(executed.status());
+  answer = *std::move(executed);
+  if (!parsed.program) {
     answer.text = std::move(parsed.refusal);
     answer.route = "none";
     answer.looked_for = "a question that I can read";

@@ -180,10 +180,13 @@ class TimeWordReader {
 
   /// A clock time, or a day with one. A bare hour counts only behind a word that makes it one.
   [[nodiscard]] std::optional<ReadTime> moment(size_t at, bool may_be_hour) const {
-    if (const auto day = day_at(at)) {
+    const auto day = day_at(at);
+    if (day && day->text.find("week") == std::string::npos) {
       const size_t next = at + day->count + (is(at + day->count, {"at"}) ? 1 : 0);
       const auto clock = clock_at(next, next > at + day->count);
-      if (clock) return ReadTime{day->text + "/" + clock->text, next + clock->count - at};
+      // "Yesterday morning at 8:05" is told by the clock alone.
+      const std::string date = day->text.substr(0, day->text.find('/'));
+      if (clock) return ReadTime{date + "/" + clock->text, next + clock->count - at};
     }
     if (is(at, {"now"})) return ReadTime{"now", 1};
     auto clock = clock_at(at, may_be_hour);
@@ -342,7 +345,9 @@ class TimeWordReader {
 
   /// Puts the day before the clock times that have none.
   void finish() {
-    if (!part_.empty()) day_ = (day_.empty() ? "today" : day_) + "/" + part_;
+    // A week has no morning, and a morning no second one.
+    const bool has_part = day_.find('/') != std::string::npos || day_.ends_with("_week");
+    if (!part_.empty() && !has_part) day_ = (day_.empty() ? "today" : day_) + "/" + part_;
     bool has_used_day = false;
     const std::string date = day_.substr(0, day_.find('/'));
     const bool is_date = !date.empty() && date.find("week") == std::string::npos;

@@ -182,8 +182,11 @@ Result<Period> resolve_period(std::string_view text, Time now, DayZone zone) {
     return *period;
   }
   const auto from = single_period(text.substr(0, dots), now, zone);
-  const auto to = single_period(text.substr(dots + 2), now, zone);
+  auto to = single_period(text.substr(dots + 2), now, zone);
   if (!from || !to) return wrong();
+  // At 8:30, "from 8:00 to 9:00" ends today, though 9:00 alone would be yesterday's.
+  if (to->to < from->from && clock_time(text.substr(dots + 2)))
+    to = part_of_day(text.substr(dots + 2), whole_day(from->from, 0, zone));
   if (to->to < from->from)
     return invalid_argument("'{}' ends before it begins", printable(text.substr(0, 60)));
   return Period{from->from, to->to};

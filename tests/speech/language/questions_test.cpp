@@ -113,6 +113,18 @@ TEST_F(Questions, ThatAreHostileAreRefusedQuickly) {
   }
 }
 
+TEST_F(Questions, OfTimesThatMakeNoSenseAreRefused) {
+  for (const char* question :
+       {"What did you do between 8:10 and 8:05?",
+        "What did you do between 8:00:30 and two minutes ago?",
+        "What did you do from now to yesterday?", "What did you do at 25:00?"}) {
+    const Answer answer = answer_to(question);
+    EXPECT_TRUE(is_unknown(answer.value)) << question
+                                          << "
+                                             " << answer.text;
+  }
+}
+
 TEST_F(Questions, AreAnsweredFromWhatCameSince) {
   EXPECT_EQ(to_json(answer_to("How often did you pick up the red cup?").value)["value"], 0);
   kitchen_.execute({.skill = "pick", .from = 50, .to = 55, .thing = "red_cup_1", .hand = "left"});
