@@ -66,15 +66,12 @@ ltm::MemoryId action(std::string_view skill) {
 
 }  // namespace kitchen::entities
 
-std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types() {
+std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types(bool has_images) {
   namespace of = kitchen::entities;
   const auto core = [](const ltm::MemoryId& entity) { return entity.parent().parent(); };
   const kitchen::ThingClass& any = kitchen::all_thing_classes().front();
   std::vector<std::pair<ltm::MemoryId, idf::Type>> types{
       {core(of::recording()), ::kitchen::Recording::idf_type()},
-      {core(of::calibration("left")), ::kitchen::CameraCalibration::idf_type()},
-      {core(of::stereo()), ::kitchen::View::idf_type()},
-      {core(of::depth()), ::kitchen::DepthView::idf_type()},
       {core(of::description()), ::kitchen::RobotDescription::idf_type()},
       {core(of::joints()), ::kitchen::JointState::idf_type()},
       {core(of::platform()), ::kitchen::PlatformState::idf_type()},
@@ -83,6 +80,11 @@ std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types() {
       {core(of::object(any)), ::kitchen::ObjectInstance::idf_type()},
       {core(of::speech()), ::kitchen::Speech::idf_type()},
       {core(of::plan()), ::kitchen::Plan::idf_type()}};
+  if (has_images) {
+    types.emplace_back(core(of::calibration("left")), ::kitchen::CameraCalibration::idf_type());
+    types.emplace_back(core(of::stereo()), ::kitchen::View::idf_type());
+    types.emplace_back(core(of::depth()), ::kitchen::DepthView::idf_type());
+  }
   for (auto& one : skills::skill_types()) types.push_back(std::move(one));
   // The robot of a recording tells more of an execution than every skill does.
   types.emplace_back(of::action("pick").parent(), ::kitchen::Action::idf_type());

@@ -49,10 +49,11 @@ Status Episode::wait(double seconds) {
   const auto images = static_cast<uint64_t>(
       std::max(1.0, std::ceil(seconds * Reporter::kRate_hz / Reporter::kImageEvery - 1e-9)));
   for (uint64_t i = 0; i < images * Reporter::kImageEvery && !is_over(); ++i) {
+    // Without images the neck moves as if there were some, so that the robot does the same.
     const bool has_image = sample_ % Reporter::kImageEvery == 0;
     if (has_image) follow();
     ENGRAM_RETURN_IF_ERROR(reporter_.record(sample_));
-    if (has_image) ++summary_.images;
+    if (has_image && reporter_.has_images()) ++summary_.images;
     for (int step = 0; step < kStepsPerSample; ++step)
       world_.step(trajectory_.at(now_s() + step * World::kStep_s));
     world_.refresh();

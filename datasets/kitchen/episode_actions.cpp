@@ -34,9 +34,10 @@ Episode::Running Episode::begin(const Task& task, const std::string& skill,
   if (surface) action.surface = entities::surface(*surface);
   action.object_before = object.at(now).instance(0);
   action.plan = plan_id_;
-  action.image = entities::stereo().at(now).instance(0);
-  action.joints = entities::joints().at(now).instance(0);
-  action.platform = entities::platform().at(now).instance(0);
+  const facts::Links links = reporter_.links_at(now);
+  action.image = links.image;
+  action.joints = links.joints;
+  action.platform = links.platform;
   action.number = actions_++;
   if (is_over()) return running;
 

@@ -41,6 +41,7 @@ idf::Data recording(uint64_t seed, double seconds, const DrawingSize& size, cons
   recording.lamp = static_cast<float>(light.lamp);
   recording.daylight = static_cast<float>(light.daylight);
   recording.warmth = static_cast<float>(light.warmth);
+  if (!size.is_painted) recording.has_images = false;
   return recording.to_idf();
 }
 

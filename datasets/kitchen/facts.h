@@ -4,6 +4,7 @@
 // Private to this room: what is known of the kitchen at a moment, as values. Recordings and live
 // drivers use them, so that both give the same.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,7 +31,7 @@ namespace engram::datasets::kitchen::facts {
 
 /// What belongs to the time of a snapshot. Each is an instance.
 struct Links {
-  ltm::MemoryId image;  ///< The left image.
+  std::optional<ltm::MemoryId> image{};  ///< The left image; empty: nothing was drawn.
   ltm::MemoryId joints;
   ltm::MemoryId platform;
 };

@@ -30,6 +30,8 @@ Status KitchenOptions::validate() const {
                             kMinSide, kMaxSide);
   if (!(seconds >= 1) || seconds > kMaxSeconds)
     return invalid_argument("kitchen: {} seconds, needs 1 to {}", seconds, kMaxSeconds);
+  if (records_depth && !has_images)
+    return invalid_argument("kitchen: depth without images; it is the depth of an image");
   const std::chrono::years since_1970 =
       std::chrono::floor<std::chrono::years>(start.time_since_epoch());
   if (since_1970.count() < 0 || since_1970.count() >= 230)
@@ -42,7 +44,8 @@ kitchen::DrawingSize kitchen::drawing_size(const KitchenOptions& options) {
   return {.width = options.width,
           .height = options.height,
           .samples = options.is_fine ? 4 : 0,
-          .shadow_map = options.is_fine ? 2048 : 0};
+          .shadow_map = options.is_fine ? 2048 : 0,
+          .is_painted = options.has_images};
 }
 
 Result<KitchenSummary> simulate_kitchen(const KitchenOptions& options, const CommitSink& sink,
@@ -51,8 +54,11 @@ Result<KitchenSummary> simulate_kitchen(const KitchenOptions& options, const Com
   const kitchen::DrawingSize size = kitchen::drawing_size(options);
   ENGRAM_ASSIGN_OR_RETURN(kitchen::World world,
                           kitchen::World::create(kitchen::make_layout(options.seed), size));
-  ENGRAM_ASSIGN_OR_RETURN(const auto renderer, kitchen::Renderer::create(world, size));
-  kitchen::Reporter reporter(options, size, world, *renderer, sink);
+  std::unique_ptr<kitchen::Renderer> renderer;
+  if (options.has_images) {
+    ENGRAM_ASSIGN_OR_RETURN(renderer, kitchen::Renderer::create(world, size));
+  }
+  kitchen::Reporter reporter(options, size, world, renderer.get(), sink);
   kitchen::Episode episode(options, world, reporter, progress);
   ENGRAM_RETURN_IF_ERROR(episode.run());
   KitchenSummary summary = episode.summary();

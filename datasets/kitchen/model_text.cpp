@@ -7,8 +7,14 @@
 
 namespace engram::datasets::kitchen {
 
-void ModelText::add_material(const std::string& name, cv::Mat pixels, bool is_cube, double repeat_x,
-                             double repeat_y, const std::string& attributes) {
+void ModelText::add_material(const std::string& name, const std::function<cv::Mat()>& paint,
+                             bool is_cube, double repeat_x, double repeat_y,
+                             const std::string& attributes) {
+  if (!is_painted) {
+    assets += fmt::format("<material name=\"{}\" {}/>\n", name, attributes);
+    return;
+  }
+  cv::Mat pixels = paint();
   assets += fmt::format(
       R"(<texture name="{0}" type="{1}" builtin="flat" width="{2}" height="{3}"/>
 <material name="{0}" texture="{0}" texrepeat="{4} {5}" {6}/>

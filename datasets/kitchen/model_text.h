@@ -3,6 +3,7 @@
 
 // Private to this room: the kitchen as a MuJoCo document.
 
+#include <functional>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
@@ -21,15 +22,17 @@ struct Texture {
 
 /// Parts of an MJCF document.
 struct ModelText {
+  bool is_painted = true;  ///< False: materials have no pictures.
   std::string assets;
   std::string bodies;
   std::string constraints;
   std::vector<Texture> textures;
 
-  /// Adds a picture with a material of the same name. `repeat_x` and `repeat_y` are the repetitions
-  /// along the axes of a geom.
-  void add_material(const std::string& name, cv::Mat pixels, bool is_cube = false,
-                    double repeat_x = 1, double repeat_y = 1, const std::string& attributes = "");
+  /// Adds a picture, CV_8UC3 in RGB, with a material of the same name. `repeat_x` and `repeat_y`
+  /// are the repetitions along the axes of a geom. `paint` is called only where it is painted.
+  void add_material(const std::string& name, const std::function<cv::Mat()>& paint,
+                    bool is_cube = false, double repeat_x = 1, double repeat_y = 1,
+                    const std::string& attributes = "");
 };
 
 /// Adds walls, furniture and lights. This and the next functions throw cv::Exception.

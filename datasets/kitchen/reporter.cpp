@@ -19,7 +19,7 @@ cv::Mat picture(const idf::NdArray& array) {
 }  // namespace
 
 Reporter::Reporter(const KitchenOptions& options, const DrawingSize& size, const World& world,
-                   Renderer& renderer, CommitSink sink)
+                   Renderer* renderer, CommitSink sink)
     : options_(options), size_(size), world_(world), renderer_(renderer), sink_(std::move(sink)) {}
 
 Time Reporter::time_of(uint64_t sample) const {
@@ -41,11 +41,12 @@ void Reporter::add(ltm::MemoryId entity, uint64_t sample, std::vector<idf::Data>
 void Reporter::report_prior(const Layout& layout) {
   add(entities::recording(), 0,
       {facts::recording(options_.seed, options_.seconds, size_, layout.light)}, "simulation");
-  for (const Side side : {Side::kLeft, Side::kRight})
-    add(entities::calibration(to_string(side)), 0,
-        {facts::calibration(side, size_,
-                            world_.body_pose("head").inverse() * world_.camera_pose(side))},
-        "simulation");
+  if (has_images())
+    for (const Side side : {Side::kLeft, Side::kRight})
+      add(entities::calibration(to_string(side)), 0,
+          {facts::calibration(side, size_,
+                              world_.body_pose("head").inverse() * world_.camera_pose(side))},
+          "simulation");
   std::vector<double> lower;
   std::vector<double> upper;
   for (int i = kPlatformJoints; i < kRobotJoints; ++i) {
@@ -97,14 +98,16 @@ void Reporter::add_robot(uint64_t sample) {
   add(entities::platform(), sample, {facts::platform(positions, velocities)}, "robot");
 }
 
-facts::Links Reporter::links_at(Time time) {
-  return {entities::stereo().at(time).instance(0), entities::joints().at(time).instance(0),
-          entities::platform().at(time).instance(0)};
+facts::Links Reporter::links_at(Time time) const {
+  facts::Links links{.joints = entities::joints().at(time).instance(0),
+                     .platform = entities::platform().at(time).instance(0)};
+  if (has_images()) links.image = entities::stereo().at(time).instance(0);
+  return links;
 }
 
 void Reporter::add_images(uint64_t sample) {
   const Time time = time_of(sample);
-  StereoPicture stereo = renderer_.draw(world_, options_.records_depth);
+  StereoPicture stereo = renderer_->draw(world_, options_.records_depth);
   std::vector<idf::Data> views;
   for (const Side side : {Side::kLeft, Side::kRight})
     views.push_back(facts::view(
@@ -140,7 +143,7 @@ void Reporter::add_objects(uint64_t sample) {
 
 Status Reporter::record(uint64_t sample) {
   add_robot(sample);
-  if (sample % kImageEvery == 0) add_images(sample);
+  if (has_images() && sample % kImageEvery == 0) add_images(sample);
   if (sample % kObjectsEvery == 0 || objects_are_due_) add_objects(sample);
   objects_are_due_ = false;
   // Snapshots link to others of the same time, so all of them go into one commit.

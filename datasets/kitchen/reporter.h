@@ -19,8 +19,10 @@ namespace engram::datasets::kitchen {
 /// Threading: one thread. World, renderer and sink must outlive it.
 class Reporter {
  public:
+  /// `renderer` is null where the options are without images. Then nothing of `Vision` is recorded,
+  /// and no link leads there.
   Reporter(const KitchenOptions& options, const DrawingSize& size, const World& world,
-           Renderer& renderer, CommitSink sink);
+           Renderer* renderer, CommitSink sink);
 
   /// Rate of samples. Each has joints and platform.
   static constexpr int kRate_hz = 100;
@@ -47,6 +49,10 @@ class Reporter {
   /// everything that was reported since the last call. The world must be refreshed.
   Status record(uint64_t sample);
 
+  /// What belongs to a time, where it is recorded.
+  [[nodiscard]] facts::Links links_at(Time time) const;
+
+  [[nodiscard]] bool has_images() const { return renderer_ != nullptr; }
   [[nodiscard]] uint64_t raw_bytes() const { return raw_bytes_; }
 
  private:
@@ -55,12 +61,11 @@ class Reporter {
   void add_images(uint64_t sample);
   void add_objects(uint64_t sample);
   void add_robot(uint64_t sample);
-  static facts::Links links_at(Time time);
 
   KitchenOptions options_;
   DrawingSize size_;
   const World& world_;
-  Renderer& renderer_;
+  Renderer* renderer_;
   CommitSink sink_;
   ltm::Commit pending_;
   bool objects_are_due_ = false;

@@ -41,25 +41,36 @@ void add_materials(const Layout& layout, ModelText& text) {
   static const std::array<cv::Scalar, 3> kDoors{
       cv::Scalar(226, 220, 206), cv::Scalar(126, 152, 150), cv::Scalar(176, 132, 88)};
   const cv::Scalar door = kDoors.at(static_cast<size_t>(layout.cupboard_tone));
-  text.add_material("floor", paint_floor_tiles(512, seed), false, 2.4, 2.0,
-                    R"(specular="0.15" shininess="0.3")");
-  text.add_material("tiles", paint_wall_tiles(512, seed + 1), false, 6, 1,
-                    R"(specular="0.4" shininess="0.6")");
-  text.add_material("plaster", paint_plaster(256, cv::Scalar(208, 194, 168), seed + 2), false, 4, 3,
-                    R"(specular="0" shininess="0")");
-  text.add_material("table_wood", paint_wood(512, 6, layout.wood_tone, seed + 3), false, 1, 1,
-                    R"(specular="0.25" shininess="0.4")");
-  text.add_material("leg_wood", paint_wood(128, 1, layout.wood_tone - 0.4, seed + 4), false, 1, 1,
-                    R"(specular="0.1")");
-  text.add_material("stone", paint_stone(512, seed + 5), false, 6, 1,
-                    R"(specular="0.35" shininess="0.6")");
-  text.add_material("door", paint_door(256, door, seed + 6), false, 1, 1, R"(specular="0.2")");
-  text.add_material("garden", paint_garden(512, seed + 7), false, 1, 1,
-                    R"(emission="0.38" specular="0")");
-  text.add_material("stove", paint_stove(256), false, 1, 1, R"(specular="0.7" shininess="0.9")");
-  text.add_material("cloth", paint_cloth(256, seed + 8), false, 2, 4, R"(specular="0")");
-  text.add_material("steel", paint_brushed_steel(256, seed + 9), false, 1, 1,
-                    R"(specular="0.6" shininess="0.7")");
+  text.add_material(
+      "floor", [&] { return paint_floor_tiles(512, seed); }, false, 2.4, 2.0,
+      R"(specular="0.15" shininess="0.3")");
+  text.add_material(
+      "tiles", [&] { return paint_wall_tiles(512, seed + 1); }, false, 6, 1,
+      R"(specular="0.4" shininess="0.6")");
+  text.add_material(
+      "plaster", [&] { return paint_plaster(256, cv::Scalar(208, 194, 168), seed + 2); }, false, 4,
+      3, R"(specular="0" shininess="0")");
+  text.add_material(
+      "table_wood", [&] { return paint_wood(512, 6, layout.wood_tone, seed + 3); }, false, 1, 1,
+      R"(specular="0.25" shininess="0.4")");
+  text.add_material(
+      "leg_wood", [&] { return paint_wood(128, 1, layout.wood_tone - 0.4, seed + 4); }, false, 1, 1,
+      R"(specular="0.1")");
+  text.add_material(
+      "stone", [&] { return paint_stone(512, seed + 5); }, false, 6, 1,
+      R"(specular="0.35" shininess="0.6")");
+  text.add_material(
+      "door", [&] { return paint_door(256, door, seed + 6); }, false, 1, 1, R"(specular="0.2")");
+  text.add_material(
+      "garden", [&] { return paint_garden(512, seed + 7); }, false, 1, 1,
+      R"(emission="0.38" specular="0")");
+  text.add_material(
+      "stove", [&] { return paint_stove(256); }, false, 1, 1, R"(specular="0.7" shininess="0.9")");
+  text.add_material(
+      "cloth", [&] { return paint_cloth(256, seed + 8); }, false, 2, 4, R"(specular="0")");
+  text.add_material(
+      "steel", [&] { return paint_brushed_steel(256, seed + 9); }, false, 1, 1,
+      R"(specular="0.6" shininess="0.7")");
   text.assets +=
       R"(<material name="dark_steel" rgba="0.32 0.33 0.35 1" specular="0.6" shininess="0.7"/>
 <material name="frame" rgba="0.80 0.79 0.75 1" specular="0.2"/>

@@ -49,8 +49,9 @@ std::string geoms_of(const ThingClass& type) {
 void add_things(const Layout& layout, ModelText& text) {
   for (const Thing& thing : layout.things) {
     const ThingClass& type = *thing.type;
-    text.add_material(std::string(type.name), paint_thing(type, kFacePixels, layout.seed), true, 1,
-                      1, R"(specular="0.3" shininess="0.5")");
+    text.add_material(
+        std::string(type.name), [&] { return paint_thing(type, kFacePixels, layout.seed); }, true,
+        1, 1, R"(specular="0.3" shininess="0.5")");
     text.assets += fmt::format(
         R"(<material name="{}_plain" rgba="{:.3f} {:.3f} {:.3f} 1" specular="0.4" shininess="0.6"/>
 )",

@@ -80,7 +80,7 @@ void fill_textures(const std::vector<Texture>& textures, mjModel& model) {
 Result<World> World::create(const Layout& layout, const DrawingSize& size) {
   World world;
   world.layout_ = layout;
-  ModelText text;
+  ModelText text{.is_painted = size.is_painted};
   try {
     add_room(layout, text);
     add_robot(text);

@@ -60,7 +60,7 @@ class KitchenAnnotations : public ::testing::Test {
     world_->place_robot(robot);
     KitchenOptions options;
     options.records_depth = true;
-    Reporter reporter(options, kFull, *world_, *renderer_, [&](const ltm::Commit& commit) {
+    Reporter reporter(options, kFull, *world_, renderer_.get(), [&](const ltm::Commit& commit) {
       for (const ltm::EntityUpdate& update : commit.updates)
         recorded_[update.entity] = update.instances;
       return Status();

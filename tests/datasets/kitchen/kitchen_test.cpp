@@ -81,6 +81,48 @@ TEST(Kitchen, MakesAboutAsManyBytesAsARobotDoes) {
   EXPECT_NEAR(static_cast<double>(summary->raw_bytes), 35.665e6, 0.2 * 35.665e6);
 }
 
+/// What a recording with images has besides one without: `Vision`, and what leads there.
+std::vector<ltm::Commit> without_vision(std::vector<ltm::Commit> commits) {
+  for (ltm::Commit& commit : commits) {
+    std::erase_if(commit.updates, [](const ltm::EntityUpdate& update) {
+      return update.entity.names()[0] == "Vision";
+    });
+    for (ltm::EntityUpdate& update : commit.updates)
+      for (auto& instance : update.instances)
+        if (idf::Dict* members = instance.data.get_if<idf::Dict>(); members != nullptr) {
+          for (const char* const member : {"image", "has_images"})
+            if (idf::Data* value = members->find(member); value != nullptr) *value = idf::None{};
+        }
+  }
+  return commits;
+}
+
+TEST(Kitchen, DoesTheSameWithoutImages) {
+  // Seed 1 has a grasp that fails and an action that is stopped within this time.
+  KitchenOptions options = tiny(1, 38);
+  const std::vector<ltm::Commit> with = without_vision(recorded(options));
+  options.has_images = false;
+  const std::vector<ltm::Commit> plain = recorded(options);
+  std::set<ltm::MemoryId> there;
+  std::set<std::string> outcomes;
+  for (const ltm::Commit& commit : plain)
+    for (const ltm::EntityUpdate& update : commit.updates) {
+      EXPECT_NE(update.entity.names()[0], "Vision");
+      there.insert(update.id().instance(0));
+      if (update.entity.names()[1] == "Event")
+        outcomes.insert(::kitchen::Action::from_idf(update.instances[0].data)->reason);
+    }
+  EXPECT_TRUE(outcomes.contains("told to stop"));
+  for (const ltm::Commit& commit : plain)
+    for (const ltm::EntityUpdate& update : commit.updates)
+      for (const ltm::Link& link : ltm::find_links(update.instances[0].data))
+        EXPECT_TRUE(there.contains(link.id))
+            << update.id().to_string() << " -> " << link.id.to_string();
+  ASSERT_EQ(with.size(), plain.size());
+  const std::vector<ltm::Commit> same = without_vision(plain);
+  for (size_t i = 0; i < with.size(); ++i) ASSERT_TRUE(with[i] == same[i]) << "sample " << i;
+}
+
 /// A recording with a failed grasp and an action that is stopped, in a store too.
 class KitchenEpisode : public ::testing::Test {
  protected:
@@ -219,6 +261,11 @@ TEST(Kitchen, TellsWhatIsWrongWithItsOptions) {
   options.width = 127;
   const CommitSink none = [](const ltm::Commit&) { return Status(); };
   EXPECT_FAILS(simulate_kitchen(options, none, {}), StatusCode::kInvalidArgument, "127 x 128");
+  options = KitchenOptions::fast();
+  options.has_images = false;
+  options.records_depth = true;
+  EXPECT_FAILS(simulate_kitchen(options, none, {}), StatusCode::kInvalidArgument,
+               "depth without images");
   options = KitchenOptions::fast();
   options.seconds = 0.5;
   EXPECT_FAILS(simulate_kitchen(options, none, {}), StatusCode::kInvalidArgument, "0.5 seconds");
