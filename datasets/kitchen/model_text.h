@@ -6,6 +6,7 @@
 #include <functional>
 #include <opencv2/core.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datasets/kitchen/drawing_size.h"
@@ -20,13 +21,24 @@ struct Texture {
   cv::Mat pixels;        ///< CV_8UC3, RGB.
 };
 
+/// A geom that others can touch.
+struct Solid {
+  std::string name;
+  bool is_loose = false;  ///< It moves by itself.
+};
+
 /// Parts of an MJCF document.
 struct ModelText {
   bool is_painted = true;  ///< False: materials have no pictures.
   std::string assets;
   std::string bodies;
   std::string constraints;
+  /// The geoms that can touch each other, in the order of their bodies.
+  std::vector<Solid> solids;
   std::vector<Texture> textures;
+
+  /// Notes a solid, and returns what makes a geom one.
+  std::string solid(std::string_view name, bool is_loose);
 
   /// Adds a picture, CV_8UC3 in RGB, with a material of the same name. `repeat_x` and `repeat_y`
   /// are the repetitions along the axes of a geom. `paint` is called only where it is painted.

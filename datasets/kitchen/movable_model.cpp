@@ -47,12 +47,12 @@ void add_movables(ModelText& text) {
     // Things collide with a box; it is drawn by parts that touch nothing.
     text.bodies += fmt::format(
         R"(<body name="{}" mocap="true" pos="{} {} {}">
-<geom class="solid" type="box" size="{} {} {}"/>
+<geom {} type="box" size="{} {} {}"/>
 {}
 </body>
 )",
-        type.name, at.x(), at.y(), at.z(), half.x(), half.y(), half.z(),
-        type.shape == Shape::kBox ? kChairGeoms : kPersonGeoms);
+        type.name, at.x(), at.y(), at.z(), text.solid(type.name, false), half.x(), half.y(),
+        half.z(), type.shape == Shape::kBox ? kChairGeoms : kPersonGeoms);
   }
 }
 

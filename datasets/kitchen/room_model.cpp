@@ -19,17 +19,28 @@ constexpr const char* kFacesBack = R"(xyaxes="-1 0 0 0 0 1")";
 constexpr double kWall_y = 1.91;
 constexpr double kCounterFront_y = 1.28;
 
-/// Adds a box with half sizes; `look` is a material or colour, and further attributes.
+/// Adds a box with half sizes that is seen; `look` is a material or colour, and further attributes.
 void add_box(ModelText& text, double x, double y, double z, double half_x, double half_y,
              double half_z, std::string_view look, std::string_view turn = "") {
+  if (!text.is_painted) return;
   text.bodies += fmt::format(
       R"(<geom type="box" pos="{:.4f} {:.4f} {:.4f}" size="{:.4f} {:.4f} {:.4f}" {} {}/>
 )",
       x, y, z, half_x, half_y, half_z, look, turn);
 }
 
+/// Adds the top of a piece of furniture, which is not seen but touched.
+void add_top(ModelText& text, std::string_view name, const Eigen::Vector3d& middle,
+             const Eigen::Vector3d& half) {
+  text.bodies += fmt::format(
+      R"(<geom {} type="box" pos="{:.4f} {:.4f} {:.4f}" size="{:.4f} {:.4f} {:.4f}"/>
+)",
+      text.solid(name, false), middle.x(), middle.y(), middle.z(), half.x(), half.y(), half.z());
+}
+
 void add_capsule(ModelText& text, const std::array<double, 6>& from_to, double radius,
                  std::string_view look) {
+  if (!text.is_painted) return;
   text.bodies += fmt::format(
       R"(<geom type="capsule" fromto="{} {} {} {} {} {}" size="{}" {}/>
 )",
@@ -80,6 +91,7 @@ void add_materials(const Layout& layout, ModelText& text) {
 }
 
 void add_walls(ModelText& text) {
+  if (!text.is_painted) return;
   text.bodies += R"(<geom type="plane" size="3.4 2.8 0.1" material="floor"/>
 )";
   text.bodies += R"(<geom type="box" pos="0 -0.3 2.63" size="3.2 2.4 0.03" rgba="0.84 0.82 0.78 1"/>
@@ -143,8 +155,8 @@ void add_counter(ModelText& text) {
   add_lower_cupboards(text);
   add_box(text, 0, counter.top_m.y(), counter.top_m.z() - 0.02, 0.5 * counter.width_m, half_depth,
           0.02, R"(material="stone")");
-  add_box(text, 0, counter.top_m.y(), counter.top_m.z() - 0.05, 0.5 * counter.width_m, half_depth,
-          0.05, R"(class="solid")");
+  add_top(text, "counter", {0, counter.top_m.y(), counter.top_m.z() - 0.05},
+          {0.5 * counter.width_m, half_depth, 0.05});
   // The stove, and the hood above it.
   add_box(text, 0.98, 1.57, 0.903, 0.23, 0.25, 0.004, R"(material="stove")");
   add_box(text, 0.98, 1.70, 1.66, 0.30, 0.21, 0.05, R"(material="steel")");
@@ -172,6 +184,18 @@ void add_upper_cupboards(ModelText& text) {
   add_capsule(text, {1.70, 1.20, 0.85, 1.70, 1.20, 1.25}, 0.012, R"(material="dark_steel")");
 }
 
+/// Adds a bowl of fruit.
+void add_bowl(ModelText& text, double x, double y, double z) {
+  if (!text.is_painted) return;
+  text.bodies += fmt::format(
+      R"(<geom type="ellipsoid" pos="{0} {1} {2}" size="0.13 0.13 0.035" rgba="0.9 0.88 0.82 1"/>
+<geom type="sphere" pos="{3} {1} {4}" size="0.038" rgba="0.72 0.16 0.12 1"/>
+<geom type="sphere" pos="{0} {5} {4}" size="0.040" rgba="0.90 0.55 0.12 1"/>
+<geom type="sphere" pos="{6} {1} {4}" size="0.037" rgba="0.50 0.66 0.20 1"/>
+)",
+      x - 0.15, y, z + 0.03, x - 0.195, z + 0.07, y + 0.06, x - 0.105);
+}
+
 void add_table(ModelText& text) {
   const SurfacePlace& table = place_of(Surface::kTable);
   const double x = table.top_m.x();
@@ -181,20 +205,14 @@ void add_table(ModelText& text) {
   const double half_width = 0.5 * table.width_m;
   add_box(text, x, y, z - 0.018, half_width, half_depth, 0.018, R"(material="table_wood")",
           R"(xyaxes="0 1 0 -1 0 0")");
-  add_box(text, x, y, z - 0.05, half_depth, half_width, 0.05, R"(class="solid")");
+  add_top(text, "table", {x, y, z - 0.05}, {half_depth, half_width, 0.05});
   for (const double side : {-1.0, 1.0})
     for (const double end : {-1.0, 1.0})
       add_box(text, x + side * (half_depth - 0.06), y + end * (half_width - 0.06), 0.37, 0.03, 0.03,
               0.37, R"(material="leg_wood")");
   // A cloth with a bowl of fruit, outside the robot's reach.
   add_box(text, x - 0.14, y, z + 0.0008, 0.17, 0.5, 0.0008, R"(material="cloth")");
-  text.bodies += fmt::format(
-      R"(<geom type="ellipsoid" pos="{0} {1} {2}" size="0.13 0.13 0.035" rgba="0.9 0.88 0.82 1"/>
-<geom type="sphere" pos="{3} {1} {4}" size="0.038" rgba="0.72 0.16 0.12 1"/>
-<geom type="sphere" pos="{0} {5} {4}" size="0.040" rgba="0.90 0.55 0.12 1"/>
-<geom type="sphere" pos="{6} {1} {4}" size="0.037" rgba="0.50 0.66 0.20 1"/>
-)",
-      x - 0.15, y, z + 0.03, x - 0.195, z + 0.07, y + 0.06, x - 0.105);
+  add_bowl(text, x, y, z);
   for (const double along : {-0.38, 0.38}) {
     const double seat_x = x - 0.62;
     add_box(text, seat_x, y + along, 0.45, 0.20, 0.20, 0.015, R"(material="leg_wood")");

@@ -64,7 +64,7 @@ void add_things(const Layout& layout, ModelText& text) {
     text.bodies += fmt::format(
         R"(<body name="{0}" pos="{1:.5f} {2:.5f} {3:.5f}" euler="0 0 {4:.5f}">
 <freejoint name="{0}"/>
-<geom class="solid" type="box" size="{5} {6} {7}" mass="{8}"
+<geom {10} type="box" size="{5} {6} {7}" mass="{8}"
  friction="0.9 0.01 0.001" solref="0.008 1"/>
 {9}
 </body>
@@ -72,7 +72,7 @@ void add_things(const Layout& layout, ModelText& text) {
         type.name, foot.x(), foot.y(), foot.z() + 0.5 * type.size_m.z() + 0.001, turn,
         0.5 * type.size_m.x() * (type.shape == Shape::kBox ? 1 : 0.9),
         0.5 * type.size_m.y() * (type.shape == Shape::kBox ? 1 : 0.9), 0.5 * type.size_m.z(),
-        type.mass_kg, geoms_of(type));
+        type.mass_kg, geoms_of(type), text.solid(type.name, true));
     for (const char* side : {"left", "right"})
       text.constraints += fmt::format(
           R"(<weld name="{0}:{1}" body1="{0}_hand" body2="{1}" active="false" solref="0.006 1"/>
