@@ -30,7 +30,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo robot robot-demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars ask-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -72,6 +72,7 @@ help:
 	@echo "make saliency-bars   what a tenth of the snapshots of kitchens still answers (RECORDINGS, BARS=options)"
 	@echo "make reflection-bars 200 faults in kitchens: how many are found, and false alarms (BARS=options)"
 	@echo "make replay-bars is a replay the memory that it was: bytes, leaks, order, seeks (BARS=options)"
+	@echo "make ask-bars    2,000 questions about 40 kitchens: answered rightly, refused, how soon (BARS=options)"
 	@echo "make viewer-bars how quick the viewer is, in a browser (BARS='--scale STORE')"
 	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
@@ -282,6 +283,11 @@ replay-bars: build
 reflection-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/reflection/reflection_bars.py \
 	  build/release/bin/engram build/release/python --json build/reflection_bars.json $(BARS)
+
+# Options: experiments/ask/ask_bars.py --help
+ask-bars: experiments build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py build/release/bin/engram \
+	  build/experiments/ask/engram_make_dialogues --json build/ask_bars.json $(BARS)
 
 # Options: experiments/viewer/viewer_bars.py --help
 viewer-bars: build

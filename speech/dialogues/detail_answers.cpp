@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "speech/dialogues/known_answer.h"
+
+namespace engram::speech::dialogues {
+
+namespace {
+
+/// Durations that differ by less than this share are equal to a listener.
+constexpr double kClearlyLonger = 1.15;
+constexpr double kDrive_m = 0.05;  ///< A shorter way is not worth asking about.
+
+/// How far the platform moved from one time to another.
+double driven_m(const LivedPast& past, Time from, Time to) {
+  auto at = std::lower_bound(past.stands.begin(), past.stands.end(), from,
+                             [](const LivedStand& one, Time wanted) { return one.time < wanted; });
+  double way = 0;
+  for (; at != past.stands.end() && std::next(at) != past.stands.end() && std::next(at)->time <= to;
+       ++at)
+    way += (std::next(at)->at - at->at).norm();
+  return way;
+}
+
+std::vector<ltm::MemoryId> both_ids(const LivedAction& action) {
+  return {action.begun, *action.over};
+}
+
+/// What is told of one execution; `which` says which of several.
+void add_details(const AnswerList& list, const Asked& base, const char* which,
+                 const LivedAction& action) {
+  if (!action.over) return;
+  const auto asked = [&](const char* what) {
+    Asked one = base;
+    one.what = what;
+    one.which = which;
+    return one;
+  };
+  KnownAnswer& lasted = list.add("action_detail", asked("how_long"),
+                                 answers::Seconds{action.seconds()}, both_ids(action));
+  lasted.also = {answers::Span{.from = action.started, .to = *action.ended}};
+  if (action.skill == "navigate") {
+    const double way = driven_m(list.past, action.started, *action.ended);
+    if (way > kDrive_m)
+      list.add("action_detail", asked("how_far_driven"), answers::Metres{way}, both_ids(action));
+  }
+}
+
+void add_handling(const AnswerList& list, const std::string& skill, const std::string& thing) {
+  const Actions all = list.actions(skill, thing);
+  if (all.empty() || !are_all_done(all)) return;
+  std::set<std::string> hands;
+  std::set<std::string> places;
+  for (const LivedAction* action : all) {
+    hands.insert(action->hand);
+    places.insert(action->place);
+  }
+  const auto ids = [&] {
+    std::vector<ltm::MemoryId> found = begun_ids(all);
+    for (const ltm::MemoryId& id : over_ids(all)) found.push_back(id);
+    return found;
+  };
+  if (hands.size() == 1) {
+    KnownAnswer& known =
+        list.add("action_detail", {.what = "which_hand", .skill = skill, .thing = thing},
+                 answers::Names{{*hands.begin()}}, ids());
+    known.also = {answers::Names{{*hands.begin() + " hand"}}};
+    for (const char* hand : {"left", "right"}) {
+      KnownAnswer& was =
+          list.add("action_detail", {.what = "was_hand", .skill = skill, .thing = thing},
+                   answers::YesNo{hand == *hands.begin()}, ids());
+      was.slots["hand"] = hand;
+    }
+  }
+  if (places.size() == 1 && !places.begin()->empty())
+    list.add("action_detail",
+             {.what = skill == "pick" ? "from_where" : "to_where", .skill = skill, .thing = thing},
+             answers::Names{{*places.begin()}}, ids());
+}
+
+void add_comparisons(const AnswerList& list) {
+  const std::vector<std::string> things = list.things();
+  for (const std::string& one : things)
+    for (const std::string& other : things) {
+      const Actions first = list.actions("pick", one);
+      const Actions second = list.actions("pick", other);
+      if (one == other || first.size() != 1 || second.size() != 1 || !are_all_done(first) ||
+          !are_all_done(second))
+        continue;
+      const auto add = [&](const char* what, bool value) {
+        KnownAnswer& known =
+            list.add("action_detail", {.what = what, .skill = "pick", .thing = one},
+                     answers::YesNo{value}, {first[0]->begun, second[0]->begun});
+        known.slots["thing2"] = other;
+      };
+      const double ratio = first[0]->seconds() / second[0]->seconds();
+      if (ratio > kClearlyLonger || ratio < 1 / kClearlyLonger) add("compare_duration", ratio > 1);
+      add("compare_order", first[0]->started < second[0]->started);
+      if (first[0]->hand.empty() || second[0]->hand.empty()) continue;
+      add("same_hand", first[0]->hand == second[0]->hand);
+    }
+}
+
+void add_extremes(const AnswerList& list) {
+  const Actions all = list.actions("any");
+  std::vector<const LivedAction*> sorted;
+  for (const LivedAction* action : all)
+    if (action->ended) sorted.push_back(action);
+  if (sorted.size() < 3 || sorted.size() != all.size()) return;
+  std::sort(sorted.begin(), sorted.end(),
+            [](const LivedAction* a, const LivedAction* b) { return a->seconds() > b->seconds(); });
+  if (sorted[0]->seconds() > sorted[1]->seconds() + 0.2)
+    list.add("action_detail", {.what = "longest_event", .skill = "any"}, events_of({sorted[0]}),
+             both_ids(*sorted[0]));
+}
+
+}  // namespace
+
+void add_detail_answers(const AnswerList& list) {
+  for (const std::string& thing : list.things())
+    for (const char* skill : {"pick", "place", "look"}) {
+      add_handling(list, skill, thing);
+      const Actions all = list.actions(skill, thing);
+      if (all.empty() || !are_all_done(all)) continue;
+      const Asked base{.skill = skill, .thing = thing};
+      if (all.size() == 1)
+        add_details(list, base, "", *all.front());
+      else
+        add_details(list, base, "last", *all.back());
+    }
+  for (const auto& [place, pose] : list.past.places) {
+    const Actions drives = list.actions("navigate", "", place);
+    if (drives.empty() || !are_all_done(drives)) continue;
+    const Asked base{.skill = "navigate", .place = place};
+    if (drives.size() == 1)
+      add_details(list, base, "", *drives.front());
+    else {
+      add_details(list, base, "first", *drives.front());
+      add_details(list, base, "last", *drives.back());
+    }
+  }
+  const Actions drives = list.actions("navigate");
+  if (!drives.empty() && are_all_done(drives)) {
+    double way = 0;
+    double seconds = 0;
+    for (const LivedAction* drive : drives) {
+      way += driven_m(list.past, drive->started, *drive->ended);
+      seconds += drive->seconds();
+    }
+    list.add("action_detail", {.what = "how_far_driven", .skill = "navigate"}, answers::Metres{way},
+             begun_ids(drives));
+    list.add("action_detail", {.what = "total_duration", .skill = "navigate"},
+             answers::Seconds{seconds}, begun_ids(drives));
+  }
+  add_comparisons(list);
+  add_extremes(list);
+}
+
+}  // namespace engram::speech::dialogues

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/dialogues/lived_past.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "ltm/typed/convert.h"
+#include "ltm/typed/convert_eigen.h"
+#include "ltm/typed/pose.h"
+
+namespace engram::speech::dialogues {
+
+namespace {
+
+constexpr double kMaxStandHeight_m = 0.3;
+constexpr Duration kMaxSightAge = std::chrono::milliseconds(500);
+
+/// The members of one value, read with errors that name the value.
+class LivedValue {
+ public:
+  LivedValue(const ltm::MemoryId& id, const idf::Data& data) : id_(id), data_(data) {}
+
+  [[nodiscard]] const ltm::MemoryId& id() const { return id_; }
+  [[nodiscard]] Time time() const { return *id_.time(); }
+
+  Result<std::string> text(std::string_view member) const {
+    const auto* found = find<std::string>(member);
+    if (found == nullptr) return wrong(member, "a text");
+    return *found;
+  }
+  Result<double> number(std::string_view member) const {
+    const idf::Data* found = data_.at(member);
+    const auto number = found == nullptr ? std::nullopt : found->as_number();
+    if (!number) return wrong(member, "a number");
+    return *number;
+  }
+  /// Nothing if the member is missing or empty.
+  [[nodiscard]] std::optional<ltm::MemoryId> link(std::string_view member) const {
+    const auto* found = find<std::string>(member);
+    return found == nullptr ? std::nullopt : id_in(*found);
+  }
+  [[nodiscard]] std::vector<ltm::MemoryId> links(std::string_view member) const {
+    std::vector<ltm::MemoryId> ids;
+    if (const auto* list = find<idf::List>(member); list != nullptr)
+      for (const idf::Data& one : *list)
+        if (const auto* text = one.get_if<std::string>(); text != nullptr)
+          if (auto id = id_in(*text)) ids.push_back(*std::move(id));
+    return ids;
+  }
+  Result<Eigen::Isometry3d> pose(std::string_view member) const {
+    static const idf::Type kType = idf::Type::pose(idf::ElementType::kFloat64);
+    const idf::Data* found = data_.at(member);
+    typed::Pose<double> pose;
+    if (found == nullptr || !typed::read(*found, kType, pose)) return wrong(member, "a pose");
+    return pose.isometry();
+  }
+  template <typename T>
+  [[nodiscard]] const T* find(std::string_view member) const {
+    const idf::Data* found = data_.at(member);
+    return found == nullptr ? nullptr : found->get_if<T>();
+  }
+
+ private:
+  [[nodiscard]] Status wrong(std::string_view member, std::string_view needed) const {
+    const idf::Data* found = data_.at(member);
+    return invalid_argument("'{}': member '{}' is {}, needs {}", id_.printable(), member,
+                            found == nullptr ? "missing" : found->kind_name(), needed);
+  }
+  static std::optional<ltm::MemoryId> id_in(const std::string& text) {
+    if (text.empty()) return {};
+    auto id = ltm::MemoryId::parse(text);
+    return id.ok() && id->has_entity() ? std::optional(*std::move(id)) : std::nullopt;
+  }
+
+  const ltm::MemoryId& id_;
+  const idf::Data& data_;
+};
+
+using VisitValue = std::function<Status(const LivedValue&)>;
+
+/// Visits every first instance of what a query finds; nothing if there is no such entity.
+Status visit_all(Memory& memory, std::string_view names, const VisitValue& visit) {
+  ENGRAM_ASSIGN_OR_RETURN(const ltm::Query query,
+                          ltm::Query::parse(fmt::format("{} @ all#0", names)));
+  const Status status = memory.query_parts(query, [&](ltm::QueryResult part) -> Status {
+    for (const ltm::EntityResult* entity : part.entities())
+      for (const ltm::SnapshotResult& snapshot : entity->snapshots)
+        for (const ltm::InstanceResult& instance : snapshot.instances) {
+          const ltm::MemoryId id = entity->id.at(snapshot.time).instance(instance.index);
+          ENGRAM_RETURN_IF_ERROR(visit(LivedValue(id, instance.data)));
+        }
+    return {};
+  });
+  return status.code() == StatusCode::kNotFound ? Status() : status;
+}
+
+/// Reads one kind of values after the other.
+class PastReader {
+ public:
+  PastReader(Memory& memory, LivedPast& past) : memory_(memory), past_(past) {}
+
+  Status read() {
+    ENGRAM_RETURN_IF_ERROR(read_recordings());
+    ENGRAM_RETURN_IF_ERROR(read_names());
+    ENGRAM_RETURN_IF_ERROR(read_sights());
+    ENGRAM_RETURN_IF_ERROR(read_words_and_plans());
+    ENGRAM_RETURN_IF_ERROR(read_actions());
+    return read_stands();
+  }
+
+ private:
+  Status read_recordings() {
+    ENGRAM_RETURN_IF_ERROR(
+        visit_all(memory_, "Simulation/Recording", [&](const LivedValue& value) -> Status {
+          ENGRAM_ASSIGN_OR_RETURN(const double seconds, value.number("seconds"));
+          ENGRAM_ASSIGN_OR_RETURN(const double seed, value.number("seed"));
+          // The last sample comes 10 ms before the end.
+          ENGRAM_ASSIGN_OR_RETURN(const Duration length, duration_from_seconds(seconds - 0.01));
+          if (past_.recordings.empty()) past_.seed = std::llround(seed);
+          past_.recordings.emplace_back(value.time(), value.time() + length);
+          return {};
+        }));
+    if (past_.recordings.empty())
+      return not_found("dialogues: the memory has no recording of a kitchen");
+    std::sort(past_.recordings.begin(), past_.recordings.end());
+    return {};
+  }
+
+  Status read_names() {
+    std::set<std::string> known;
+    ENGRAM_RETURN_IF_ERROR(
+        visit_all(memory_, "Objects/Classes", [&](const LivedValue& value) -> Status {
+          ENGRAM_ASSIGN_OR_RETURN(spoken_[value.id().entity()], value.text("spoken_name"));
+          known.insert(spoken_[value.id().entity()]);
+          return {};
+        }));
+    past_.known_things.assign(known.begin(), known.end());
+    return visit_all(memory_, "Objects/Surfaces", [&](const LivedValue& value) -> Status {
+      ENGRAM_ASSIGN_OR_RETURN(const std::string name, value.text("name"));
+      LivedPlace& place = past_.places[name];
+      place.id = value.id();
+      ENGRAM_ASSIGN_OR_RETURN(place.pose, value.pose("pose_world_surface"));
+      ENGRAM_ASSIGN_OR_RETURN(place.depth_m, value.number("depth"));
+      ENGRAM_ASSIGN_OR_RETURN(place.width_m, value.number("width"));
+      spoken_[value.id().entity()] = name;
+      return {};
+    });
+  }
+
+  Status read_sights() {
+    return visit_all(memory_, "Objects/Instances", [&](const LivedValue& value) -> Status {
+      LivedSight sight{.id = value.id(), .time = value.time()};
+      const auto type = value.link("object_class");
+      const std::string name = spoken(type);
+      if (name.empty()) return {};
+      spoken_[value.id().entity()] = name;
+      ENGRAM_ASSIGN_OR_RETURN(const Eigen::Isometry3d pose, value.pose("pose_world_object"));
+      sight.at = pose.translation();
+      ENGRAM_ASSIGN_OR_RETURN(sight.held_by, value.text("held_by"));
+      const bool* visible = value.find<bool>("is_visible");
+      sight.is_visible = visible != nullptr && *visible;
+      past_.sights[name].push_back(std::move(sight));
+      return {};
+    });
+  }
+
+  Status read_words_and_plans() {
+    ENGRAM_RETURN_IF_ERROR(
+        visit_all(memory_, "Speech/Commands", [&](const LivedValue& value) -> Status {
+          LivedWords words{.id = value.id(), .time = value.time()};
+          ENGRAM_ASSIGN_OR_RETURN(words.speaker, value.text("speaker"));
+          ENGRAM_ASSIGN_OR_RETURN(words.text, value.text("text"));
+          past_.words.push_back(std::move(words));
+          return {};
+        }));
+    return visit_all(memory_, "Tasks/Plans", [&](const LivedValue& value) -> Status {
+      LivedPlan plan{
+          .id = value.id(), .time = value.time(), .command = value.link("command"), .steps = {}};
+      if (const auto* steps = value.find<idf::List>("steps"); steps != nullptr)
+        for (const idf::Data& data : *steps) {
+          const LivedValue step(value.id(), data);
+          LivedStep& added = plan.steps.emplace_back();
+          ENGRAM_ASSIGN_OR_RETURN(added.skill, step.text("skill"));
+          added.thing = spoken(step.link("object"));
+          added.place = spoken(step.link("surface"));
+        }
+      past_.plans[value.id()] = std::move(plan);
+      return {};
+    });
+  }
+
+  Status read_actions() {
+    constexpr std::array kOutcomes{"running", "success", "failure", "stop", "lost"};
+    constexpr int kBegun = 0;
+    constexpr int kOver = 2;
+    std::map<ltm::MemoryId, LivedAction> begun;
+    ENGRAM_RETURN_IF_ERROR(
+        visit_all(memory_, "Skill/Event/robot", [&](const LivedValue& value) -> Status {
+          ENGRAM_ASSIGN_OR_RETURN(const double stage, value.number("stage"));
+          const auto execution = value.link("execution");
+          const bool is_begin = std::lround(stage) == kBegun;
+          if (!is_begin && (!execution || std::lround(stage) != kOver)) return {};
+          LivedAction& action = begun[is_begin ? value.id() : *execution];
+          ENGRAM_ASSIGN_OR_RETURN(const double outcome, value.number("outcome"));
+          ENGRAM_ASSIGN_OR_RETURN(const std::string skill, value.text("skill"));
+          if (is_begin) action.begun = value.id();
+          action.started = *(is_begin ? value.id() : *execution).time();
+          action.skill = skill.substr(skill.find('/') + 1);
+          action.outcome = kOutcomes.at(static_cast<size_t>(std::lround(outcome)));
+          if (!is_begin) {
+            action.over = value.id();
+            action.ended = value.time();
+            action.stopped_by = value.links("stopped_by");
+            ENGRAM_ASSIGN_OR_RETURN(action.reason, value.text("reason"));
+          }
+          action.thing = spoken(value.link("object_before"));
+          action.place = spoken(value.link("surface"));
+          action.plan = value.link("plan");
+          ENGRAM_ASSIGN_OR_RETURN(action.hand, value.text("hand"));
+          return {};
+        }));
+    for (auto& [id, action] : begun) past_.actions.push_back(std::move(action));
+    std::sort(past_.actions.begin(), past_.actions.end(),
+              [](const LivedAction& a, const LivedAction& b) { return a.started < b.started; });
+    return {};
+  }
+
+  Status read_stands() {
+    return visit_all(memory_, "RobotState/Localization", [&](const LivedValue& value) -> Status {
+      const auto* pose = value.find<idf::NdArray>("pose_world_platform");
+      if (pose == nullptr || pose->values<float>().size() != 3)
+        return invalid_argument("'{}': needs three numbers 'pose_world_platform'",
+                                value.id().printable());
+      const auto numbers = pose->values<float>();
+      past_.stands.push_back({value.time(), {numbers[0], numbers[1]}});
+      return {};
+    });
+  }
+
+  [[nodiscard]] std::string spoken(const std::optional<ltm::MemoryId>& id) const {
+    if (!id) return {};
+    const auto found = spoken_.find(id->entity());
+    return found == spoken_.end() ? std::string() : found->second;
+  }
+
+  Memory& memory_;
+  LivedPast& past_;
+  std::map<ltm::MemoryId, std::string> spoken_;  ///< Of classes, instances and surfaces.
+};
+
+}  // namespace
+
+bool LivedPlace::carries(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d from = pose.inverse() * point;
+  return std::abs(from.x()) < 0.5 * depth_m && std::abs(from.y()) < 0.5 * width_m && from.z() > 0 &&
+         from.z() < kMaxStandHeight_m;
+}
+
+Result<LivedPast> LivedPast::read(Memory& memory) {
+  LivedPast past;
+  ENGRAM_RETURN_IF_ERROR(PastReader(memory, past).read());
+  return past;
+}
+
+const LivedWords* LivedPast::words_of(const ltm::MemoryId& id) const {
+  const auto found =
+      std::find_if(words.begin(), words.end(), [&](const LivedWords& one) { return one.id == id; });
+  return found == words.end() ? nullptr : &*found;
+}
+
+const LivedPlan* LivedPast::plan_of(const LivedAction& action) const {
+  const auto found = action.plan ? plans.find(*action.plan) : plans.end();
+  return found == plans.end() ? nullptr : &found->second;
+}
+
+const LivedWords* LivedPast::command_of(const LivedAction& action) const {
+  const LivedPlan* plan = plan_of(action);
+  return plan == nullptr || !plan->command ? nullptr : words_of(*plan->command);
+}
+
+const LivedSight* LivedPast::sight_at(const std::string& thing, Time time) const {
+  const auto all = sights.find(thing);
+  if (all == sights.end()) return nullptr;
+  const auto after =
+      std::upper_bound(all->second.begin(), all->second.end(), time,
+                       [](Time wanted, const LivedSight& one) { return wanted < one.time; });
+  if (after == all->second.begin()) return nullptr;
+  const LivedSight& sight = *std::prev(after);
+  return time - sight.time > kMaxSightAge ? nullptr : &sight;
+}
+
+std::string LivedPast::place_below(const Eigen::Vector3d& point) const {
+  for (const auto& [name, place] : places)
+    if (place.carries(point)) return name;
+  return {};
+}
+
+}  // namespace engram::speech::dialogues

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/dialogues/make_dialogues.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <random>
+#include <set>
+
+#include "speech/dialogues/careless.h"
+#include "speech/dialogues/chosen_dialogues.h"
+#include "speech/dialogues/phrasings.h"
+
+namespace engram::speech {
+
+namespace dialogues {
+
+namespace {
+
+/// The questions of one form, those whose answer is yes apart from those whose answer is no, so
+/// that a guess is right in half of them.
+using Alike = std::map<std::string, std::vector<const KnownAnswer*>>;
+
+std::string sort_of(const KnownAnswer& known) {
+  const auto* answer = std::get_if<answers::YesNo>(&known.value);
+  if (answer == nullptr) return {};
+  return answer->value ? "yes" : "no";
+}
+
+/// Chooses one of all questions after the other, families in turn.
+class Chooser {
+ public:
+  Chooser(const std::deque<KnownAnswer>& known, uint64_t seed) : random_(seed) {
+    for (const KnownAnswer& one : known) {
+      // A form without words cannot be asked.
+      if (!worded(one).empty())
+        by_family_[one.family][form_of(one.asked)][sort_of(one)].push_back(&one);
+    }
+  }
+
+  /// Null: no question is left in this family.
+  const KnownAnswer* choose(const std::string& family) {
+    const auto found = by_family_.find(family);
+    if (found == by_family_.end()) return nullptr;
+    const auto form = std::next(found->second.begin(), below(found->second.size()));
+    const auto alike = std::next(form->second.begin(), below(form->second.size()));
+    return alike->second[static_cast<size_t>(below(alike->second.size()))];
+  }
+
+  std::ptrdiff_t below(size_t count) { return static_cast<std::ptrdiff_t>(random_() % count); }
+  std::mt19937_64& random() { return random_; }
+
+ private:
+  std::mt19937_64 random_;
+  std::map<std::string, std::map<std::string, Alike>> by_family_;
+};
+
+bool is_in(DialogueSplit split, const Dialogue& dialogue) {
+  return split == DialogueSplit::kAll ||
+         (split == DialogueSplit::kTrain) == dialogue.held_out.empty();
+}
+
+}  // namespace
+
+Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known, const WordedQuestion& words) {
+  Dialogue dialogue{.family = known.family,
+                    .form = form_of(known.asked),
+                    .question = words.text,
+                    .phrasing = words.phrasing,
+                    .seed = past.seed,
+                    .now = known.now,
+                    .value = known.value,
+                    .also = known.also,
+                    .evidence = known.evidence};
+  const auto other = known.slots.find("thing2");
+  if (is_phrasing_held_out(words.phrasing)) dialogue.held_out.emplace_back("phrasing");
+  if (is_seed_held_out(past.seed)) dialogue.held_out.emplace_back("seed");
+  if ((!known.asked.thing.empty() && is_thing_held_out(known.asked.thing)) ||
+      (other != known.slots.end() && is_thing_held_out(other->second)))
+    dialogue.held_out.emplace_back("thing");
+  return dialogue;
+}
+
+std::deque<KnownAnswer> all_known(const LivedPast& past, const DialogueOptions& options) {
+  const Time last = past.last_moment();
+  std::deque<KnownAnswer> known = known_answers(past, options.now.value_or(last), options.seed);
+  if (options.now) return known;
+  const Time next_day = day_of(last) + std::chrono::hours(24 + 9);
+  for (KnownAnswer& one : known_answers(past, next_day, options.seed + 1)) {
+    // The rest is the same on every day.
+    if (one.asked.when != "all" && one.asked.when != "now") known.push_back(std::move(one));
+  }
+  return known;
+}
+
+std::vector<Dialogue> chosen_dialogues(const LivedPast& past, const DialogueOptions& options) {
+  constexpr size_t kTriesForEach = 60;
+  const std::deque<KnownAnswer> known = all_known(past, options);
+  Chooser chooser(known, options.seed);
+  std::vector<Dialogue> made;
+  std::set<std::pair<std::string, Time>> asked;
+  for (size_t i = 0; i < kTriesForEach * options.count && made.size() < options.count; ++i) {
+    const KnownAnswer* one = chooser.choose(kFamilies[made.size() % std::size(kFamilies)]);
+    // A family that has nothing more to ask gives its turn to another one.
+    if (one == nullptr || i % kTriesForEach == kTriesForEach - 1)
+      one = chooser.choose(kFamilies[static_cast<size_t>(chooser.below(std::size(kFamilies)))]);
+    if (one == nullptr) continue;
+    const std::vector<WordedQuestion> all = worded(*one);
+    WordedQuestion words = all[static_cast<size_t>(chooser.below(all.size()))];
+    if (!asked.emplace(words.text, one->now).second) continue;
+    Dialogue dialogue = dialogue_of(past, *one, words);
+    if (!is_in(options.split, dialogue)) continue;
+    put_carelessly(dialogue, *one, options.careless, chooser.random());
+    dialogue.id = fmt::format("{}-{}", past.seed, made.size());
+    made.push_back(std::move(dialogue));
+  }
+  return made;
+}
+
+}  // namespace dialogues
+
+Status DialogueOptions::validate() const {
+  if (!(careless >= 0 && careless <= 1))
+    return invalid_argument("dialogues: careless is {}, needs 0 to 1", careless);
+  if (count > 1'000'000)
+    return invalid_argument("dialogues: count is {}, needs at most 1000000", count);
+  return {};
+}
+
+Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptions& options) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::LivedPast::read(memory));
+  return dialogues::chosen_dialogues(past, options);
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "memory/memory.h"
+#include "speech/dialogues/dialogue.h"
+
+namespace engram::speech {
+
+/// Which dialogues are made.
+enum class DialogueSplit : uint8_t {
+  kAll,
+  kTrain,    ///< Nothing of them is held out.
+  kHeldOut,  ///< Something of them is.
+};
+
+struct DialogueOptions {
+  size_t count = 50;  ///< How many at most; fewer if there is not so much to ask.
+  uint64_t seed = 1;  ///< Chooses among all that can be asked.
+  DialogueSplit split = DialogueSplit::kAll;
+  /// When questions are asked. Empty: most at the last moment of the last recording, others at nine
+  /// in the morning of the next day.
+  std::optional<Time> now{};
+  /// The share of questions that are put carelessly: in small letters without marks, or with two
+  /// letters swapped. 0 to 1.
+  double careless = 0;
+
+  [[nodiscard]] Status validate() const;
+};
+
+/// Makes questions with true answers from what recordings of kitchens tell: from the links and
+/// outcomes of their values, read one by one. Families take turns. What is ambiguous is not asked;
+/// where several answers are right, all are told.
+///
+/// Equal recordings and options give equal dialogues.
+/// Errors: kInvalidArgument if `options` do not validate; kNotFound if there is no recording of a
+/// kitchen; those of Memory::query.
+/// Threading: one thread.
+/// Source: docs/dialogues.md.
+Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptions& options);
+
+/// The same with the words of others: a file of JSON lines {"question", "asks", "family"}, whose
+/// questions have `{thing}`, `{place}`, `{time}` and so on where something is filled in, and whose
+/// "asks" say what is asked (docs/dialogues.md). Each is filled once, or left out if the recordings
+/// have nothing that it fits.
+/// Errors: also kInvalidArgument if the file has no such lines; kUnavailable if it cannot be read.
+Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const DialogueOptions& options,
+                                                  const std::filesystem::path& phrasings);
+
+}  // namespace engram::speech

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "speech/dialogues/make_dialogues.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/speech/dialogues/recorded_kitchens.h"
+
+namespace engram::speech {
+namespace {
+
+std::vector<Dialogue> made(Memory& memory, const DialogueOptions& options) {
+  auto dialogues = make_dialogues(memory, options);
+  EXPECT_OK(dialogues);
+  return dialogues.ok() ? *std::move(dialogues) : std::vector<Dialogue>();
+}
+
+std::vector<std::string> lines_of(const std::vector<Dialogue>& dialogues) {
+  std::vector<std::string> lines;
+  for (const Dialogue& dialogue : dialogues) lines.push_back(to_json_line(dialogue));
+  return lines;
+}
+
+/// All IDs that dialogues name exist in the memory.
+void expect_evidence(Memory& memory, const std::vector<Dialogue>& dialogues) {
+  std::set<ltm::MemoryId> there;
+  const auto answer = memory.query("?ids Skill @ all ; Speech @ all ; Tasks @ all ; Objects @ all");
+  ASSERT_OK(answer);
+  for (const ltm::MemoryId& id : answer->ids()) there.insert(id);
+  size_t checked = 0;
+  for (const Dialogue& dialogue : dialogues) {
+    std::vector<ltm::MemoryId> ids = dialogue.evidence;
+    if (const auto* events = std::get_if<answers::Events>(&dialogue.value))
+      ids.insert(ids.end(), events->value.begin(), events->value.end());
+    if (const auto* reason = std::get_if<answers::Reason>(&dialogue.value))
+      ids.insert(ids.end(), reason->links.begin(), reason->links.end());
+    for (const ltm::MemoryId& id : ids) {
+      EXPECT_TRUE(there.contains(id)) << dialogue.question << " -> " << id.to_string();
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, dialogues.size() / 2);
+}
+
+TEST(Dialogues, HaveEvidenceThatTheMemoryHas) {
+  expect_evidence(kitchen_of_seed_1(), made(kitchen_of_seed_1(), {.count = 600}));
+  expect_evidence(three_days(), made(three_days(), {.count = 300}));
+}
+
+TEST(Dialogues, AreEqualForEqualOptions) {
+  const DialogueOptions options{.count = 120, .seed = 7, .careless = 0.3};
+  const auto first = lines_of(made(kitchen_of_seed_1(), options));
+  EXPECT_EQ(first, lines_of(made(kitchen_of_seed_1(), options)));
+  EXPECT_NE(first, lines_of(made(kitchen_of_seed_1(), {.count = 120, .seed = 8})));
+}
+
+TEST(Dialogues, TakeTheFamiliesInTurn) {
+  std::map<std::string, int> families;
+  std::set<std::string> questions;
+  const auto dialogues = made(kitchen_of_seed_1(), {.count = 160});
+  for (const Dialogue& dialogue : dialogues) {
+    ++families[dialogue.family];
+    questions.insert(dialogue.question + to_string(dialogue.now));
+    EXPECT_EQ(dialogue.family == "unanswerable", is_unknown(dialogue.value)) << dialogue.question;
+    // Only that nothing happened is shown by nothing.
+    const bool is_nothing = std::holds_alternative<answers::Unknown>(dialogue.value) ||
+                            (!dialogue.also.empty() && is_unknown(dialogue.also.front()));
+    EXPECT_EQ(dialogue.evidence.empty(), is_nothing) << dialogue.question;
+  }
+  EXPECT_EQ(dialogues.size(), 160U);
+  EXPECT_EQ(questions.size(), dialogues.size());
+  EXPECT_EQ(families.size(), 8U);
+  for (const auto& [family, count] : families) EXPECT_NEAR(count, 20, 8) << family;
+}
+
+TEST(Dialogues, ForTrainingHaveNothingThatIsHeldOut) {
+  // Seed 1 is not held out, or there would be nothing to train on.
+  ASSERT_FALSE(is_seed_held_out(1));
+  for (const Dialogue& dialogue :
+       made(kitchen_of_seed_1(), {.count = 200, .split = DialogueSplit::kTrain}))
+    EXPECT_TRUE(dialogue.held_out.empty()) << dialogue.question;
+  const auto kept = made(kitchen_of_seed_1(), {.count = 200, .split = DialogueSplit::kHeldOut});
+  EXPECT_GT(kept.size(), 100U);
+  for (const Dialogue& dialogue : kept) EXPECT_FALSE(dialogue.held_out.empty());
+}
+
+TEST(Dialogues, HoldOutAboutAFifth) {
+  int seeds = 0;
+  for (int64_t seed = 0; seed < 1000; ++seed) seeds += is_seed_held_out(seed) ? 1 : 0;
+  EXPECT_NEAR(seeds, 200, 40);
+  std::set<std::string> things;
+  for (const char* thing : {"cereal", "milk", "tea", "salt", "juice", "oil", "dish soap",
+                            "tomatoes", "coffee", "blue mug"})
+    if (is_thing_held_out(thing)) things.insert(thing);
+  EXPECT_GE(things.size(), 1U);
+  EXPECT_LE(things.size(), 4U);
+}
+
+TEST(Dialogues, KnowOneDayFromAnother) {
+  std::set<std::string> yesterdays;
+  for (const Dialogue& dialogue : made(three_days(), {.count = 400})) {
+    if (dialogue.question.find("yesterday") == std::string::npos) continue;
+    // Asked on January 3 it is January 2, asked on January 4 it is January 3.
+    const std::string now = to_string(dialogue.now).substr(0, 10);
+    const std::string yesterday = now == "2026-01-03" ? "2026-01-02" : "2026-01-03";
+    EXPECT_TRUE(now == "2026-01-03" || now == "2026-01-04") << now;
+    for (const ltm::MemoryId& id : dialogue.evidence)
+      EXPECT_EQ(to_string(*id.time()).substr(0, 10), yesterday) << dialogue.question;
+    yesterdays.insert(dialogue.form);
+  }
+  EXPECT_GE(yesterdays.size(), 5U);
+}
+
+TEST(Dialogues, PutQuestionsCarelessly) {
+  int small = 0;
+  int swapped = 0;
+  for (const Dialogue& dialogue : made(kitchen_of_seed_1(), {.count = 200, .careless = 1})) {
+    small += dialogue.phrasing.ends_with("+small") ? 1 : 0;
+    swapped += dialogue.phrasing.ends_with("+swapped") ? 1 : 0;
+    if (dialogue.phrasing.ends_with("+small")) {
+      EXPECT_EQ(dialogue.question.find_first_of("?!ABCDEFGHIJKLMNOPQRSTUVWXYZ"), std::string::npos);
+    }
+  }
+  EXPECT_GT(small, 60);
+  EXPECT_GT(swapped, 30);
+}
+
+TEST(Dialogues, TakeTheWordsOfOthers) {
+  const ScratchDirectory scratch;
+  const auto file = scratch.path() / "words.jsonl";
+  std::ofstream(file)
+      << R"({"question": "Hey, where has the {thing} got to?", "asks": {"what": "where_now", "thing": "{thing}", "when": "now"}, "family": "objects"}
+{"question": "So who yelled stop at you?", "asks": {"what": "who_stopped", "when": "all"}, "family": "explanations"}
+{"question": "Where did the elephant go?", "asks": {"what": "unanswerable", "why_unanswerable": "unknown_thing"}, "family": "unanswerable"}
+{"question": "Is the moon full?", "asks": {"what": "nothing_that_is_known", "when": "all"}, "family": "events"}
+)";
+  const auto dialogues = make_dialogues_with(kitchen_of_seed_1(), {}, file);
+  ASSERT_OK(dialogues);
+  std::map<std::string, Dialogue> by_phrasing;
+  for (const Dialogue& one : *dialogues) by_phrasing[one.phrasing] = one;
+  ASSERT_EQ(by_phrasing.size(), 3U);
+  EXPECT_TRUE(by_phrasing["foreign#0"].question.starts_with("Hey, where has the "));
+  EXPECT_EQ(by_phrasing["foreign#1"].value, AnswerValue(names_of({"Ada"})));
+  EXPECT_TRUE(is_unknown(by_phrasing["foreign#2"].value));
+
+  std::ofstream(file) << "{\"question\": 3}\n";
+  EXPECT_FAILS(make_dialogues_with(kitchen_of_seed_1(), {}, file), StatusCode::kInvalidArgument,
+               "line 1 needs a text 'question'");
+  EXPECT_FAILS(make_dialogues_with(kitchen_of_seed_1(), {}, scratch.path() / "none"),
+               StatusCode::kUnavailable, "cannot be read");
+}
+
+TEST(Dialogues, NeedARecordingOfAKitchen) {
+  const ScratchDirectory scratch;
+  auto memory = Memory::open(scratch.path() / "empty.engram");
+  ASSERT_OK(memory);
+  EXPECT_FAILS(make_dialogues(**memory, {}), StatusCode::kNotFound, "no recording of a kitchen");
+  EXPECT_FAILS(make_dialogues(kitchen_of_seed_1(), {.careless = 2}), StatusCode::kInvalidArgument,
+               "careless is 2");
+}
+
+}  // namespace
+}  // namespace engram::speech
