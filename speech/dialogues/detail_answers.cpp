@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "speech/dialogues/known_answer.h"
@@ -11,6 +10,7 @@ namespace {
 
 /// Durations that differ by less than this share are equal to a listener.
 constexpr double kClearlyLonger = 1.15;
+constexpr double kClearly_s = 0.2;
 constexpr double kDrive_m = 0.05;  ///< A shorter way is not worth asking about.
 
 /// How far the platform moved from one time to another.
@@ -50,7 +50,8 @@ void add_details(const AnswerList& list, const Asked& base, const char* which,
 
 void add_handling(const AnswerList& list, const std::string& skill, const std::string& thing) {
   const Actions all = list.actions(skill, thing);
-  if (all.empty() || !are_all_done(all)) return;
+  // Attempts that failed matter only if they were made otherwise.
+  if (with_outcome(all, "success").empty() || !with_outcome(all, "running").empty()) return;
   std::set<std::string> hands;
   std::set<std::string> places;
   for (const LivedAction* action : all) {
@@ -111,9 +112,55 @@ void add_extremes(const AnswerList& list) {
   if (sorted.size() < 3 || sorted.size() != all.size()) return;
   std::sort(sorted.begin(), sorted.end(),
             [](const LivedAction* a, const LivedAction* b) { return a->seconds() > b->seconds(); });
-  if (sorted[0]->seconds() > sorted[1]->seconds() + 0.2)
-    list.add("action_detail", {.what = "longest_event", .skill = "any"}, events_of({sorted[0]}),
-             both_ids(*sorted[0]));
+  const auto add = [&](const char* skill) {
+    if (sorted.size() > 1 && sorted[0]->seconds() > sorted[1]->seconds() + kClearly_s)
+      list.add("action_detail", {.what = "longest_event", .skill = skill}, events_of({sorted[0]}),
+               both_ids(*sorted[0]));
+  };
+  add("any");
+  std::erase_if(sorted, [](const LivedAction* one) { return one->skill != "navigate"; });
+  add("navigate");
+}
+
+/// Where it drove first and last, and how long ago something was done.
+void add_ends_of_drives(const AnswerList& list) {
+  const Actions drives = list.actions("navigate");
+  if (!drives.empty() && are_all_done(drives)) {
+    list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "first"},
+             answers::Names{{drives.front()->place}}, both_ids(*drives.front()));
+    list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "last"},
+             answers::Names{{drives.back()->place}}, both_ids(*drives.back()));
+  }
+  const auto add_since = [&](const Actions& all, Asked asked) {
+    if (all.empty() || all.back()->outcome != "success") return;
+    asked.what = "how_long_since_event";
+    asked.which = "last";
+    KnownAnswer& since = list.add("action_detail", asked,
+                                  answers::Seconds{to_seconds(list.now - *all.back()->ended)},
+                                  both_ids(*all.back()));
+    since.also = {answers::Seconds{to_seconds(list.now - all.back()->started)}};
+  };
+  for (const std::string& thing : list.things())
+    for (const char* skill : {"pick", "place"})
+      add_since(list.actions(skill, thing), {.skill = skill, .thing = thing});
+  for (const auto& [place, pose] : list.past.places)
+    add_since(list.actions("navigate", "", place), {.skill = "navigate", .place = place});
+}
+
+/// Whether something was picked up more often than something else. All attempts of both succeeded.
+void add_count_comparisons(const AnswerList& list) {
+  for (const std::string& one : list.things())
+    for (const std::string& other : list.things()) {
+      const Actions first = list.actions("pick", one);
+      const Actions second = list.actions("pick", other);
+      if (one == other || first.empty() || second.empty() || !are_all_done(first) ||
+          !are_all_done(second))
+        continue;
+      KnownAnswer& known = list.add(
+          "action_detail", {.what = "compare_count", .skill = "pick", .thing = one},
+          answers::YesNo{first.size() > second.size()}, {first[0]->begun, second[0]->begun});
+      known.slots["thing2"] = other;
+    }
 }
 
 }  // namespace
@@ -155,6 +202,8 @@ void add_detail_answers(const AnswerList& list) {
              answers::Seconds{seconds}, begun_ids(drives));
   }
   add_comparisons(list);
+  add_count_comparisons(list);
+  add_ends_of_drives(list);
   add_extremes(list);
 }
 

@@ -1,101 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
-#include <map>
-#include <random>
+#include <cmath>
 #include <set>
 
-#include "speech/dialogues/known_answer.h"
+#include "speech/dialogues/asked_spans.h"
 
 namespace engram::speech::dialogues {
 
 namespace {
-
-/// An action so near to the edge of a span of time may be meant or not.
-constexpr Duration kEdge = std::chrono::milliseconds(600);
-
-/// A span of time, and how people put it.
-struct AskedSpan {
-  std::string when;   ///< As Asked::when.
-  std::string words;  ///< " yesterday"; empty: always.
-  Time from{};
-  Time to{};
-  /// The parts of the words, for phrasings that put them otherwise: "time", "time2", "day".
-  std::map<std::string, std::string> parts{};
-};
-
-std::string ago_words(int64_t seconds) {
-  return fmt::format(" in the last {} seconds", seconds);
-}
-
-/// The spans that are asked about: all, days, and some at random.
-std::vector<AskedSpan> asked_spans(const AnswerList& list, uint64_t seed) {
-  const LivedPast& past = list.past;
-  // Long before, so that the first action is not at its edge.
-  const Time begin = past.recordings.front().first - std::chrono::hours(1);
-  std::vector<AskedSpan> spans{{"all", "", begin, list.now}};
-  const Time today = day_of(list.now);
-  std::set<Time> days;
-  for (const auto& [from, to] : past.recordings) days.insert(day_of(from));
-  for (const Time day : days) {
-    const Time end = std::min(day + std::chrono::days(1), list.now);
-    if (day == today) spans.push_back({"{day}", " today", day, end, {{"day", "today"}}});
-    if (day == today - std::chrono::days(1))
-      spans.push_back({"{day}", " yesterday", day, end, {{"day", "yesterday"}}});
-    if (days.size() > 1) spans.push_back({"{day}", " on " + day_words(day), day, end});
-    const bool is_night = past.recordings.back().first < today + std::chrono::hours(5);
-    if (day == today && !is_night && list.now < today + std::chrono::hours(12))
-      spans.push_back({"{day}", " this morning", day, end});
-  }
-  if (!list.is_present()) return spans;
-  std::mt19937_64 random(seed);
-  const Time from = past.recordings.back().first;
-  const auto length = static_cast<int64_t>(to_seconds(past.last_moment() - from));
-  if (length < 10) return spans;
-  const auto second = [&] {
-    return std::chrono::ceil<std::chrono::seconds>(from) +
-           std::chrono::seconds(2 +
-                                static_cast<int64_t>(random() % static_cast<uint64_t>(length - 4)));
-  };
-  for (int i = 0; i < 6; ++i) {
-    const Time at = second();
-    spans.push_back(
-        {"since_{time}", " since " + clock_words(at), at, list.now, {{"time", clock_words(at)}}});
-    const Time other = second();
-    const auto [low, high] = std::minmax(at, other);
-    if (high - low > std::chrono::seconds(4))
-      spans.push_back({"{time}..{time2}",
-                       fmt::format(" between {} and {}", clock_words(low), clock_words(high)),
-                       low,
-                       high,
-                       {{"time", clock_words(low)}, {"time2", clock_words(high)}}});
-    const int64_t ago = 5 * (2 + static_cast<int64_t>(random() % 8));
-    if (ago < length)
-      spans.push_back({"last_s", ago_words(ago), list.now - std::chrono::seconds(ago), list.now});
-    if (past.recordings.size() == 1)
-      spans.push_back(
-          {"before_{time}", " before " + clock_words(at), begin, at, {{"time", clock_words(at)}}});
-  }
-  return spans;
-}
-
-Actions begun_within(const Actions& actions, const AskedSpan& span) {
-  Actions found;
-  for (const LivedAction* action : actions)
-    if (action->started >= span.from && action->started <= span.to) found.push_back(action);
-  return found;
-}
-
-/// Whether none of the actions is at an edge of the span. The present is no edge.
-bool are_clear(const Actions& actions, const AskedSpan& span, Time now) {
-  const auto is_cut = [](const LivedAction& action, Time edge) {
-    return action.started - kEdge < edge &&
-           edge < action.ended.value_or(Time::max() - kEdge) + kEdge;
-  };
-  for (const LivedAction* action : actions)
-    if (is_cut(*action, span.from) || (span.to != now && is_cut(*action, span.to))) return false;
-  return true;
-}
 
 void add_what_was_done(const AnswerList& list, const AskedSpan& span) {
   const Actions all = list.actions("any");
@@ -155,7 +66,7 @@ void add_counts(const AnswerList& list, const AskedSpan& span, const Asked& base
     add("did_you", "any", answers::YesNo{true}, all);
     if (done.empty()) add("did_you", "success", answers::YesNo{false}, all);
   }
-  if (span.when != "all" || all.size() != done.size() || all.empty()) return;
+  if (span.when != "all" || done.empty()) return;
   const auto moment = [&](const char* which, const LivedAction& action) {
     Asked asked = base;
     asked.what = "when_did_you";
@@ -166,10 +77,9 @@ void add_counts(const AnswerList& list, const AskedSpan& span, const Asked& base
                   answers::Span{.from = action.started, .to = *action.ended}};
   };
   if (all.size() == 1) moment("", *all.front());
-  if (all.size() > 1) {
-    moment("first", *all.front());
-    moment("last", *all.back());
-  }
+  // An attempt that failed before the first or after the last might be meant.
+  if (all.size() > 1 && all.front() == done.front()) moment("first", *all.front());
+  if (all.size() > 1 && all.back() == done.back()) moment("last", *all.back());
 }
 
 void add_neighbours(const AnswerList& list) {
@@ -191,21 +101,54 @@ void add_neighbours(const AnswerList& list) {
   }
 }
 
-void add_ends(const AnswerList& list) {
-  const Actions all = list.actions("any");
-  if (all.empty()) return;
-  list.add("events", {.what = "first_event", .skill = "any", .which = "first"},
-           events_of({all.front()}), {all.front()->begun});
-  KnownAnswer& last = list.add("events", {.what = "last_event", .skill = "any", .which = "last"},
-                               events_of({all.back()}), {all.back()->begun});
+/// The first and the last thing that was done within a span.
+void add_ends(const AnswerList& list, const AskedSpan& span) {
+  const Actions all = begun_within(list.actions("any"), span);
+  if (all.empty() || !are_clear(all, span, list.now)) return;
+  const auto add = [&](const char* what, const char* which,
+                       const LivedAction* action) -> KnownAnswer& {
+    KnownAnswer& known =
+        list.add("events", {.what = what, .skill = "any", .which = which, .when = span.when},
+                 events_of({action}), {action->begun});
+    known.slots = span.parts;
+    known.slots["when"] = span.words;
+    return known;
+  };
+  add("first_event", "first", all.front());
+  KnownAnswer& last = add("last_event", "last", all.back());
   // What has not ended was not done yet, for some.
   if (!all.back()->ended && all.size() > 1) last.also = {events_of({all[all.size() - 2]})};
-  for (const char* skill : {"pick", "place"}) {
-    const Actions some = list.actions(skill);
-    const Actions done = with_outcome(some, "success");
-    if (done.empty() || done.back() != some.back()) continue;
-    list.add("events", {.what = "which_thing", .skill = skill, .which = "last"},
-             answers::Names{{done.back()->thing}}, {done.back()->begun, *done.back()->over});
+}
+
+/// Which thing was picked up or put down first and last, also at a place.
+void add_things_at_ends(const AnswerList& list, const std::string& skill,
+                        const std::string& place) {
+  const Actions all = list.actions(skill, "", place);
+  const Actions done = with_outcome(all, "success");
+  if (done.empty()) return;
+  const auto add = [&](const char* which, const LivedAction& action) {
+    list.add("events", {.what = "which_thing", .skill = skill, .which = which, .place = place},
+             answers::Names{{action.thing}}, {action.begun, *action.over});
+  };
+  // What was only tried might be meant.
+  if (done.front()->thing == all.front()->thing) add("first", *done.front());
+  if (done.back() == all.back()) add("last", *done.back());
+}
+
+/// What was done with one thing.
+void add_done_with(const AnswerList& list) {
+  for (const std::string& thing : list.things()) {
+    const Actions all = list.actions("any", thing);
+    if (all.empty()) continue;
+    KnownAnswer& known = list.add("events", {.what = "what_did_you_do_with", .thing = thing},
+                                  events_of(all), begun_ids(all));
+    // A drive for it was not done with it, for some; nor was looking for it.
+    Actions handled;
+    for (const LivedAction* action : all)
+      if (action->skill != "navigate") handled.push_back(action);
+    known.also = {events_of(handled)};
+    std::erase_if(handled, [](const LivedAction* one) { return one->skill == "look"; });
+    if (!handled.empty()) known.also.push_back(events_of(handled));
   }
 }
 
@@ -234,42 +177,6 @@ void add_things_done(const AnswerList& list) {
   }
 }
 
-/// What people asked for: commands that led to a plan.
-void add_commands(const AnswerList& list) {
-  std::vector<const LivedWords*> commands;
-  std::vector<ltm::MemoryId> plans;
-  for (const auto& [id, plan] : list.past.plans)
-    if (const LivedWords* words = plan.command ? list.past.words_of(*plan.command) : nullptr;
-        words != nullptr) {
-      commands.push_back(words);
-      plans.push_back(id);
-    }
-  if (commands.empty()) return;
-  const auto add = [&](const char* which, size_t at) {
-    list.add("events", {.what = "what_was_asked", .which = which},
-             answers::Reason{commands[at]->text, {commands[at]->id}},
-             {commands[at]->id, plans[at]});
-  };
-  add("first", 0);
-  add("last", commands.size() - 1);
-  list.add("events", {.what = "how_many_commands"},
-           answers::Count{static_cast<int64_t>(commands.size())}, {commands.front()->id});
-  for (const std::string& thing : list.things()) {
-    const LivedWords* words = nullptr;
-    size_t count = 0;
-    for (const LivedWords* one : commands)
-      if (one->text.find(thing) != std::string::npos) {
-        words = one;
-        ++count;
-      }
-    if (count != 1) continue;
-    list.add("events", {.what = "who_asked", .thing = thing}, answers::Names{{words->speaker}},
-             {words->id});
-    list.add("events", {.what = "when_asked", .thing = thing}, answers::Moment{words->time},
-             {words->id});
-  }
-}
-
 }  // namespace
 
 void add_event_answers(const AnswerList& list, uint64_t seed) {
@@ -287,9 +194,14 @@ void add_event_answers(const AnswerList& list, uint64_t seed) {
       add_counts(list, span, {.skill = skill});
   }
   add_neighbours(list);
-  add_ends(list);
+  for (const AskedSpan& span : asked_spans(list, seed))
+    if (span.when == "all" || span.when == "{day}") add_ends(list, span);
+  for (const char* skill : {"pick", "place"}) {
+    add_things_at_ends(list, skill, "");
+    for (const auto& [place, pose] : list.past.places) add_things_at_ends(list, skill, place);
+  }
+  add_done_with(list);
   add_things_done(list);
-  add_commands(list);
 }
 
 }  // namespace engram::speech::dialogues

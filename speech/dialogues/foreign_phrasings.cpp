@@ -67,10 +67,13 @@ Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path&
 std::string own_what(const ForeignPhrasing& phrasing) {
   const std::string what = phrasing.ask("what");
   const bool has_thing = !phrasing.ask("thing").empty();
-  if (what == "who_holds") return "which_hand_holds";
   if (what == "things_picked" || (what == "which_thing" && phrasing.ask("which").empty()))
     return "which_things";
   if (what == "why_failed" && !has_thing) return "why_failed_any";
+  if (what == "held_at" && phrasing.ask("when") == "now") return "held_now";
+  if (what == "is_visible" && phrasing.ask("when") != "now") return "was_visible_at";
+  if (what == "things_on_place" && phrasing.ask("when") != "now") return "things_on_place_at";
+  if (what == "what_did_you_do" && has_thing) return "what_did_you_do_with";
   if (what == "did_you" && phrasing.ask("outcome") == "failure")
     return has_thing ? "did_fail" : "any_failure";
   if (what == "what_if_not_stopped_next") return "what_next_if_not_stopped";
@@ -95,8 +98,23 @@ std::string own_when(std::string when) {
   return when;
 }
 
+/// Whether a question asks for nothing that is not compared here, such as a person or a second
+/// skill, and for the outcome that is asked for here.
+bool is_plain(const ForeignPhrasing& phrasing, const Asked& asked) {
+  static const std::set<std::string> kCompared{"what", "skill", "outcome", "which",
+                                               "when", "thing", "place",   "thing2"};
+  for (const auto& [name, value] : phrasing.asks)
+    if (!kCompared.contains(name) && !(name == "hand" && asked.what == "was_hand")) return false;
+  const std::string outcome = phrasing.ask("outcome");
+  if (outcome.empty() || outcome == asked.outcome) return true;
+  if (outcome == "success") return asked.outcome.empty();
+  return outcome == "failure" && (asked.what == "retried" || asked.what == "did_fail");
+}
+
 bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
   const Asked& asked = known.asked;
+  if (!is_plain(phrasing, asked)) return false;
+  if (phrasing.ask("thing2").empty() != !known.slots.contains("thing2")) return false;
   if (asked.what != own_what(phrasing) || !fits_skill(phrasing, asked)) return false;
   if (phrasing.ask("thing").empty() != asked.thing.empty()) return false;
   if (phrasing.ask("place").empty() != asked.place.empty()) return false;
@@ -104,8 +122,9 @@ bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
   const std::string which = phrasing.ask("which");
   if (!which.empty() && !asked.which.empty() && which != asked.which) return false;
   // These ask for another thing with "first" and "last" than without.
-  static const std::set<std::string> kChoosing{"when_did_you", "why_event", "how_long",
-                                               "how_far_driven", "what_was_asked"};
+  static const std::set<std::string> kChoosing{"when_did_you",   "why_event",      "how_long",
+                                               "how_far_driven", "what_was_asked", "which_thing",
+                                               "to_where"};
   if (which.empty() && !asked.which.empty() && kChoosing.contains(asked.what)) return false;
   static const std::set<std::string> kCounting{"how_often", "did_you", "what_did_you_do"};
   if (!kCounting.contains(asked.what)) return true;
@@ -177,6 +196,7 @@ std::vector<Dialogue> foreign_dialogues(const LivedPast& past, const DialogueOpt
     if (fitting.empty()) continue;
     const auto& [answer, text] = fitting[random() % fitting.size()];
     made.push_back(dialogue_of(past, *answer, {text, fmt::format("foreign#{}", i)}));
+    made.back().family = is_unknown ? "unanswerable" : answer->family;
     made.back().held_out = {"phrasing"};
   }
   // A random part of them, where fewer are wanted.

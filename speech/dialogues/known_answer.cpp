@@ -95,6 +95,7 @@ std::deque<KnownAnswer> known_answers(const LivedPast& past, Time now, uint64_t 
   const AnswerList list{past, now, known};
   add_object_answers(list);
   add_event_answers(list, seed);
+  add_task_answers(list);
   add_reason_answers(list);
   add_detail_answers(list);
   add_moment_answers(list, seed);

@@ -77,6 +77,7 @@ struct AnswerList {
 
 void add_object_answers(const AnswerList& list);
 void add_event_answers(const AnswerList& list, uint64_t seed);
+void add_task_answers(const AnswerList& list);
 void add_reason_answers(const AnswerList& list);
 void add_detail_answers(const AnswerList& list);
 void add_moment_answers(const AnswerList& list, uint64_t seed);

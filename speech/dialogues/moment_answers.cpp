@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <map>
 #include <random>
 
 #include "speech/dialogues/known_answer.h"
@@ -114,6 +115,7 @@ KnownAnswer& add_at(const AnswerList& list, const AskedMoment& moment, Asked ask
 void add_things_at(const AnswerList& list, const AskedMoment& moment) {
   std::vector<std::string> held;
   std::vector<ltm::MemoryId> shown;
+  std::map<std::string, std::vector<std::pair<std::string, ltm::MemoryId>>> standing;
   bool is_known = true;
   for (const std::string& thing : list.things()) {
     const LivedSight* sight = sight_around(list.past, thing, moment.time);
@@ -126,12 +128,28 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
       shown.push_back(sight->id);
       continue;
     }
+    const LivedSight* before = list.past.sight_at(thing, moment.time - kAround);
+    const LivedSight* after = list.past.sight_at(thing, moment.time + kAround);
+    if (before->is_visible == sight->is_visible && after->is_visible == sight->is_visible)
+      add_at(list, moment, {.what = "was_visible_at", .thing = thing},
+             answers::YesNo{sight->is_visible}, {sight->id, before->id, after->id});
     const std::string place = list.past.place_below(sight->at);
+    if (!place.empty()) standing[place].emplace_back(thing, sight->id);
     if (!place.empty())
       add_at(list, moment, {.what = "where_thing_at", .thing = thing}, answers::Names{{place}},
              {sight->id});
   }
   if (!is_known) return;
+  for (const auto& [place, things] : standing) {
+    std::vector<std::string> names;
+    std::vector<ltm::MemoryId> ids;
+    for (const auto& [thing, id] : things) {
+      names.push_back(thing);
+      ids.push_back(id);
+    }
+    if (list.past.recordings.size() == 1)
+      add_at(list, moment, {.what = "things_on_place_at", .place = place}, names_of(names), ids);
+  }
   if (!held.empty()) {
     add_at(list, moment, {.what = "held_at"}, names_of(held), shown);
     add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{true}, shown).also = {

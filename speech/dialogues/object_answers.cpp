@@ -38,6 +38,19 @@ bool is_clearly_somewhere(const LivedPast& past, const LivedSight& sight) {
   return smaller.carries(sight.at);
 }
 
+/// Who holds a thing: a hand, or nobody.
+void add_who_holds(const AnswerList& list, const std::string& thing, const LivedSight& sight) {
+  if (sight.held_by.empty()) {
+    KnownAnswer& nobody = list.add("objects", {.what = "who_holds", .when = "now", .thing = thing},
+                                   answers::Names{}, {sight.id});
+    nobody.also = {answers::YesNo{false}};
+    return;
+  }
+  KnownAnswer& who = list.add("objects", {.what = "who_holds", .when = "now", .thing = thing},
+                              answers::Names{{sight.held_by}}, {sight.id});
+  who.also = {answers::Names{{sight.held_by + " hand"}}, answers::Names{{"robot"}}};
+}
+
 void add_where_now(const AnswerList& list, const std::string& thing, const LivedSight& sight) {
   if (sight.held_by.empty()) {
     const std::string place = list.past.place_below(sight.at);
@@ -57,6 +70,7 @@ void add_where_now(const AnswerList& list, const std::string& thing, const Lived
                  answers::Names{{sight.held_by}}, {sight.id});
     hand.also = where.also;
   }
+  add_who_holds(list, thing, sight);
   list.add("objects", {.what = "is_held", .when = "now", .thing = thing},
            answers::YesNo{!sight.held_by.empty()}, {sight.id});
   list.add("objects", {.what = "is_visible", .when = "now", .thing = thing},
@@ -74,6 +88,16 @@ void add_places_now(const AnswerList& list) {
       visible.push_back(thing);
       evidence.push_back(sight->id);
     }
+  std::vector<std::string> held;
+  std::vector<ltm::MemoryId> holding;
+  for (const auto& [thing, sight] : present)
+    if (!sight->held_by.empty()) {
+      held.push_back(thing);
+      holding.push_back(sight->id);
+    }
+  KnownAnswer& hands =
+      list.add("objects", {.what = "held_now", .when = "now"}, names_of(held), holding);
+  if (held.empty()) hands.also = {answers::Unknown{}, answers::YesNo{false}};
   if (!visible.empty())
     list.add("objects", {.what = "things_visible", .when = "now"}, names_of(visible), evidence);
   // What was left there in recordings of before may be meant or not, so only one recording is asked

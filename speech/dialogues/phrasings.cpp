@@ -80,13 +80,15 @@ std::optional<std::string> filled(std::string_view text, const KnownAnswer& know
 std::string form_of(const Asked& asked) {
   std::string form = asked.what;
   if (is_one_of(asked.what, {"which_thing", "which_things", "how_many_different_things",
-                             "things_failed", "was_doing_at"}))
+                             "things_failed", "was_doing_at", "longest_event"}) ||
+      (asked.what == "to_where" && asked.skill == "navigate") ||
+      (asked.what == "how_many_failures" && !asked.skill.empty()))
     form += "/" + asked.skill;
-  if (asked.what == "which_things" && !asked.place.empty()) form += "@";
+  if (is_one_of(asked.what, {"which_thing", "which_things"}) && !asked.place.empty()) form += "@";
   if (is_one_of(asked.what, {"how_often", "did_you", "what_did_you_do"}) && !asked.outcome.empty())
     form += ":" + asked.outcome;
-  if (is_one_of(asked.what,
-                {"when_did_you", "why_event", "how_long", "how_far_driven", "what_was_asked"}) &&
+  if (is_one_of(asked.what, {"when_did_you", "why_event", "how_long", "how_far_driven",
+                             "what_was_asked", "which_thing", "to_where"}) &&
       !asked.which.empty())
     form += ":" + asked.which;
   return form;

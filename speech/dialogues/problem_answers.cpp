@@ -62,6 +62,13 @@ void add_failed_things(const AnswerList& list) {
       list.add("problems", {.what = "things_failed", .skill = skill, .outcome = "failure"},
                names_of(names), failure_ids(failed));
   }
+  for (const char* skill : {"pick", "look"}) {
+    const Actions failed = with_outcome(list.actions(skill), "failure");
+    KnownAnswer& known =
+        list.add("problems", {.what = "how_many_failures", .skill = skill, .outcome = "failure"},
+                 answers::Count{static_cast<int64_t>(failed.size())}, failure_ids(failed));
+    if (failed.empty()) known.also = {answers::Unknown{}};
+  }
   for (const std::string& thing : list.things()) {
     const Actions picks = list.actions("pick", thing);
     if (picks.empty() || !with_outcome(picks, "running").empty()) continue;

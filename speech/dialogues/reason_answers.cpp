@@ -105,8 +105,11 @@ void add_reason_answers(const AnswerList& list) {
   for (const std::string& thing : list.things())
     for (const char* skill : {"pick", "place", "look"})
       add_why(list, {.skill = skill, .thing = thing});
-  for (const auto& [place, pose] : list.past.places)
+  for (const auto& [place, pose] : list.past.places) {
     add_why(list, {.skill = "navigate", .place = place});
+    for (const std::string& thing : list.things())
+      add_why(list, {.skill = "place", .thing = thing, .place = place});
+  }
   add_stops(list);
   add_failures(list);
 }

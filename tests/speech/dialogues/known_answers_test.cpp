@@ -76,6 +76,12 @@ TEST_F(KnownAnswersOfSeed1, TellWhenItWas) {
             AnswerValue(answers::Moment{at("08:00:37.8")}));
   EXPECT_EQ(answer("when_did_you", "coffee", "", "place"),
             AnswerValue(answers::Moment{at("08:00:32.7")}));
+  // The first attempt of the first pick failed, so only the last is asked for.
+  EXPECT_EQ(answer("when_did_you:last", "salt", "", "pick"),
+            AnswerValue(answers::Moment{at("08:00:40.75")}));
+  EXPECT_TRUE(found("when_did_you:first", "salt", "", "pick").empty());
+  EXPECT_NEAR(std::get<answers::Seconds>(answer("how_long_since_event", "salt", "", "pick")).value,
+              15.29, 1e-6);
   EXPECT_EQ(answer("when_asked", "coffee"), AnswerValue(answers::Moment{at("08:00:20.4")}));
   EXPECT_EQ(answer("when_stopped"), AnswerValue(answers::Moment{at("08:00:23.5")}));
 }
@@ -89,6 +95,11 @@ TEST_F(KnownAnswersOfSeed1, TellWhatCameFirstLastAndAfter) {
             AnswerValue(answers::Events{{event("look", "08:00:37.000000")}}));
   EXPECT_EQ(answer("before_event", "coffee", "", "place"),
             AnswerValue(answers::Events{{event("navigate", "08:00:29.350000")}}));
+  EXPECT_EQ(answer("which_thing/pick:first"), names({"salt"}));
+  EXPECT_EQ(answer("which_thing/place@:first", "", "counter"), names({"coffee"}));
+  EXPECT_EQ(answer("which_thing/place@:last", "", "counter"), names({"salt"}));
+  const auto with = answer("what_did_you_do_with", "coffee");
+  EXPECT_EQ(std::get<answers::Events>(with).value.size(), 6U);
   const auto did = answer("what_did_you_do");
   EXPECT_EQ(std::get<answers::Events>(did).value.size(), 18U);
 }
@@ -109,7 +120,19 @@ TEST_F(KnownAnswersOfSeed1, TellWhyByWhatLedToIt) {
   EXPECT_EQ(answer("who_stopped"), names({"Ada"}));
 }
 
+TEST_F(KnownAnswersOfSeed1, TellWhatWasAskedFor) {
+  EXPECT_EQ(answer("who_asked"), names({"Ada"}));
+  EXPECT_EQ(answer("plan_steps"), names({"look", "navigate", "pick", "place"}));
+  EXPECT_EQ(answer("how_many_plan_steps"), AnswerValue(answers::Count{5}));
+  const auto asked = found("what_was_asked:first");
+  ASSERT_EQ(asked.size(), 1U);
+  EXPECT_EQ(std::get<answers::Reason>(asked[0]->value).value, "I need the salt on the table.");
+}
+
 TEST_F(KnownAnswersOfSeed1, TellHowItWasDone) {
+  EXPECT_EQ(answer("which_hand", "coffee", "", "pick"), names({"right"}));
+  EXPECT_EQ(answer("from_where", "coffee", "", "pick"), names({"table"}));
+  EXPECT_EQ(answer("to_where/navigate:last"), names({"counter"}));
   EXPECT_EQ(answer("which_hand", "coffee", "", "place"), names({"right"}));
   EXPECT_EQ(answer("to_where", "coffee", "", "place"), names({"counter"}));
   // It went to the table and back.
@@ -129,6 +152,8 @@ TEST_F(KnownAnswersOfSeed1, TellWhatWentWrong) {
   EXPECT_EQ(answer("last_failure"), pick);
   EXPECT_EQ(answer("how_many_failures"), AnswerValue(answers::Count{1}));
   EXPECT_EQ(answer("things_failed/pick"), names({"salt"}));
+  EXPECT_EQ(answer("how_many_failures/pick"), AnswerValue(answers::Count{1}));
+  EXPECT_EQ(answer("how_many_failures/look"), AnswerValue(answers::Count{0}));
   EXPECT_EQ(answer("any_failure"), AnswerValue(answers::YesNo{true}));
   EXPECT_EQ(answer("retried", "salt", "", "pick"), AnswerValue(answers::YesNo{true}));
   EXPECT_EQ(answer("succeeded_eventually", "coffee", "", "pick"),
@@ -154,6 +179,8 @@ TEST_F(KnownAnswersOfSeed1, TellWhereThingsAre) {
   EXPECT_EQ(answer("was_moved", "coffee"), AnswerValue(answers::YesNo{true}));
   EXPECT_EQ(answer("is_thing_on_place", "salt", "table"), AnswerValue(answers::YesNo{false}));
   EXPECT_EQ(answer("is_held", "salt"), AnswerValue(answers::YesNo{false}));
+  EXPECT_EQ(answer("who_holds", "salt"), names({}));
+  EXPECT_EQ(answer("held_now"), names({}));
   const auto counter = std::get<answers::Names>(answer("things_on_place", "", "counter"));
   EXPECT_TRUE(std::find(counter.value.begin(), counter.value.end(), "salt") != counter.value.end());
 }
