@@ -113,10 +113,7 @@ def ask(arguments, store, dialogues):
 
 def known_ids(arguments, store):
     """The IDs of all that an answer may show."""
-    answer = json.loads(run(arguments.engram, "query", store, "?ids .* @ all", "--json"))
-    return {f"{snapshot['id']}/{index}" for entity in answer["entities"]
-            for snapshot in entity["snapshots"]
-            for index in range(len(snapshot.get("instances") or [0]))}
+    return set(json.loads(run(arguments.engram, "query", store, "?ids .* @ all", "--json"))["ids"])
 
 
 def is_known(ids, one):

@@ -63,7 +63,7 @@ void add_handling(const AnswerList& list, const std::string& skill, const std::s
     for (const ltm::MemoryId& id : over_ids(all)) found.push_back(id);
     return found;
   };
-  if (hands.size() == 1) {
+  if (hands.size() == 1 && !hands.begin()->empty()) {
     KnownAnswer& known =
         list.add("action_detail", {.what = "which_hand", .skill = skill, .thing = thing},
                  answers::Names{{*hands.begin()}}, ids());

@@ -234,7 +234,7 @@ class PastReader {
         return invalid_argument("'{}': needs three numbers 'pose_world_platform'",
                                 value.id().printable());
       const auto numbers = pose->values<float>();
-      past_.stands.push_back({value.time(), {numbers[0], numbers[1]}});
+      past_.stands.push_back({value.id(), value.time(), {numbers[0], numbers[1]}});
       return {};
     });
   }

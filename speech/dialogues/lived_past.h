@@ -72,6 +72,7 @@ struct LivedPlace {
 
 /// Where the platform was at a time.
 struct LivedStand {
+  ltm::MemoryId id;
   Time time{};
   Eigen::Vector2d at{0, 0};  ///< Frame: world.
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <map>
 #include <random>
 
@@ -85,6 +86,10 @@ std::string stand_around(const LivedPast& past, Time time, std::vector<ltm::Memo
   for (const auto& [from, to] : past.recordings)
     if (last->started < from && from <= time) return {};
   evidence = {last->begun, *last->over};
+  const auto after =
+      std::upper_bound(past.stands.begin(), past.stands.end(), time,
+                       [](Time wanted, const LivedStand& one) { return wanted < one.time; });
+  if (after != past.stands.begin()) evidence.push_back(std::prev(after)->id);
   return last->place;
 }
 

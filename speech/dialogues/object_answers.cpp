@@ -188,6 +188,9 @@ void add_object_answers(const AnswerList& list) {
     if (visible == sights.end()) continue;
     seen.push_back(thing);
     evidence.push_back(visible->id);
+    const auto last = std::find_if(sights.rbegin(), sights.rend(),
+                                   [](const LivedSight& one) { return one.is_visible; });
+    evidence.push_back(last->id);
   }
   if (!seen.empty()) list.add("objects", {.what = "things_seen"}, names_of(seen), evidence);
   if (!list.is_present()) return;

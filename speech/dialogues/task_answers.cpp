@@ -38,21 +38,20 @@ void add_task_answers(const AnswerList& list) {
     list.add("events", {.what = "how_many_plan_steps", .which = "last"},
              answers::Count{static_cast<int64_t>(last.steps.size())}, {last.id});
   }
+  // The plans show how many there were as well as the words do.
+  std::vector<ltm::MemoryId> both = shown;
+  both.insert(both.end(), plans.begin(), plans.end());
   list.add("events", {.what = "how_many_commands"},
-           answers::Count{static_cast<int64_t>(commands.size())}, {commands.front()->id});
+           answers::Count{static_cast<int64_t>(commands.size())}, both);
   for (const std::string& thing : list.things()) {
-    const LivedWords* words = nullptr;
-    size_t count = 0;
-    for (const LivedWords* one : commands)
-      if (one->text.find(thing) != std::string::npos) {
-        words = one;
-        ++count;
-      }
-    if (count != 1) continue;
-    list.add("events", {.what = "who_asked", .thing = thing}, answers::Names{{words->speaker}},
-             {words->id});
-    list.add("events", {.what = "when_asked", .thing = thing}, answers::Moment{words->time},
-             {words->id});
+    std::vector<size_t> asked;
+    for (size_t i = 0; i < commands.size(); ++i)
+      if (commands[i]->text.find(thing) != std::string::npos) asked.push_back(i);
+    if (asked.size() != 1) continue;
+    const LivedWords& words = *commands[asked[0]];
+    const std::vector<ltm::MemoryId> ids{words.id, plans[asked[0]]};
+    list.add("events", {.what = "who_asked", .thing = thing}, answers::Names{{words.speaker}}, ids);
+    list.add("events", {.what = "when_asked", .thing = thing}, answers::Moment{words.time}, ids);
   }
 }
 

@@ -29,7 +29,8 @@ std::vector<std::string> lines_of(const std::vector<Dialogue>& dialogues) {
 /// All IDs that dialogues name exist in the memory.
 void expect_evidence(Memory& memory, const std::vector<Dialogue>& dialogues) {
   std::set<ltm::MemoryId> there;
-  const auto answer = memory.query("?ids Skill @ all ; Speech @ all ; Tasks @ all ; Objects @ all");
+  const auto answer = memory.query(
+      "?ids Skill @ all ; Speech @ all ; Tasks @ all ; Objects @ all ; RobotState @ all");
   ASSERT_OK(answer);
   for (const ltm::MemoryId& id : answer->ids()) there.insert(id);
   size_t checked = 0;
