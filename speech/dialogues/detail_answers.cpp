@@ -126,6 +126,10 @@ void add_extremes(const AnswerList& list) {
 void add_ends_of_drives(const AnswerList& list) {
   const Actions drives = list.actions("navigate");
   if (!drives.empty() && are_all_done(drives)) {
+    if (drives.size() > 1) {
+      add_details(list, {.skill = "navigate"}, "first", *drives.front());
+      add_details(list, {.skill = "navigate"}, "last", *drives.back());
+    }
     list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "first"},
              answers::Names{{drives.front()->place}}, both_ids(*drives.front()));
     list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "last"},

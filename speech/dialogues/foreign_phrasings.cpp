@@ -107,8 +107,38 @@ bool is_plain(const ForeignPhrasing& phrasing, const Asked& asked) {
     if (!kCompared.contains(name) && !(name == "hand" && asked.what == "was_hand")) return false;
   const std::string outcome = phrasing.ask("outcome");
   if (outcome.empty() || outcome == asked.outcome) return true;
-  if (outcome == "success") return asked.outcome.empty();
+  // Where nothing is said of the outcome, all attempts succeeded; but not of what was done in all.
+  if (outcome == "success") return asked.outcome.empty() && asked.what != "what_did_you_do";
   return outcome == "failure" && (asked.what == "retried" || asked.what == "did_fail");
+}
+
+/// Whether the words themselves say which of several is meant. Where others wrote beside them that
+/// it is the last, but did not say so, the words mean that only if there is no other.
+bool says_which(const std::string& question, const std::string& which) {
+  static const std::map<std::string, std::vector<std::string>> kWords{
+      {"first", {"first", "begin", "start", "initial"}},
+      {"last", {"last", "latest", "recent", "just now", "final", "newest"}}};
+  const auto words = kWords.find(which);
+  return words != kWords.end() &&
+         std::any_of(words->second.begin(), words->second.end(), [&](const std::string& word) {
+           return question.find(word) != std::string::npos;
+         });
+}
+
+bool fits_choice(const ForeignPhrasing& phrasing, const Asked& asked) {
+  // These ask for another thing with "first" and "last" than without.
+  static const std::set<std::string> kChoosing{"when_did_you",   "why_event",   "how_long",
+                                               "how_far_driven", "which_thing", "what_was_asked",
+                                               "to_where"};
+  const std::string which = phrasing.ask("which");
+  if (!kChoosing.contains(asked.what))
+    return which.empty() || asked.which.empty() || which == asked.which;
+  if (asked.which.empty()) {
+    // The whole way, and not that of one drive.
+    const bool is_sum = asked.what == "how_far_driven" && asked.place.empty();
+    return which.empty() || !is_sum;
+  }
+  return which == asked.which && says_which(phrasing.question, which);
 }
 
 bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
@@ -119,13 +149,7 @@ bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
   if (phrasing.ask("thing").empty() != asked.thing.empty()) return false;
   if (phrasing.ask("place").empty() != asked.place.empty()) return false;
   if (own_when(phrasing.ask("when")) != asked.when) return false;
-  const std::string which = phrasing.ask("which");
-  if (!which.empty() && !asked.which.empty() && which != asked.which) return false;
-  // These ask for another thing with "first" and "last" than without.
-  static const std::set<std::string> kChoosing{"when_did_you",   "why_event",      "how_long",
-                                               "how_far_driven", "what_was_asked", "which_thing",
-                                               "to_where"};
-  if (which.empty() && !asked.which.empty() && kChoosing.contains(asked.what)) return false;
+  if (!fits_choice(phrasing, asked)) return false;
   static const std::set<std::string> kCounting{"how_often", "did_you", "what_did_you_do"};
   if (!kCounting.contains(asked.what)) return true;
   const std::string outcome = phrasing.ask("outcome");

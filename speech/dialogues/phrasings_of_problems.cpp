@@ -109,7 +109,7 @@ std::span<const Phrasing> instead_phrasings() {
       {"where_to_if_not_stopped_thing",
        "If nobody had said stop, where would the {thing} have ended up?"},
       {"where_to_if_not_stopped_thing",
-       "Where would the {thing} be now if you had not been stopped?"},
+       "Where would the {thing} have gone if you had not been stopped?"},
       {"what_if_not_failed", "What would you have done if nothing had failed?"},
       {"what_if_not_failed", "What would you have done if you had not failed?"},
       {"what_if_not_failed", "If nothing had gone wrong, what would you have done then?"},
