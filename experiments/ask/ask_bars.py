@@ -163,6 +163,17 @@ def judged(arguments, by_store):
     return rows
 
 
+def hostile(arguments, store):
+    """How texts that are no questions to a robot are taken: one of `answered` is worth a look."""
+    texts = [json.loads(line) for line in arguments.hostile.read_text().splitlines() if line]
+    now = "2100-01-01 00:00:00"
+    answers = ask(arguments, store, [{"question": one["question"], "now": now} for one in texts])
+    answered = [one["question"][:80] for one, answer in zip(texts, answers)
+                if not judge.is_refused(answer)]
+    return {"texts": len(texts), "refused": len(texts) - len(answered), "answered": answered,
+            "max_ms": max(answer.get("took_ms") or 0 for answer in answers)}
+
+
 def share(rows, name):
     return sum(row[name] for row in rows) / len(rows) if rows else None
 
@@ -230,6 +241,8 @@ def main():
     parser.add_argument("--careless", type=float, default=0,
                         help="share of questions in small letters or with letters swapped")
     parser.add_argument("--phrasings", type=pathlib.Path, help="questions in the words of others")
+    parser.add_argument("--hostile", type=pathlib.Path,
+                        help="texts that must be refused, JSON lines with a question each")
     parser.add_argument("--days", type=int, default=0,
                         help="one store with a kitchen on each of so many days (max 61)")
     parser.add_argument("--jobs", type=int, default=2, help="processes that simulate")
@@ -246,6 +259,12 @@ def main():
         arguments.rows.write_text("".join(json.dumps(row) + "\n" for row in rows))
     figures = summary(rows)
     print_summary(figures)
+    if arguments.hostile:
+        figures["hostile"] = hostile(arguments, stores[0])
+        print("hostile texts refused: {refused} of {texts}, at most {max_ms:.1f} ms".format(
+            **figures["hostile"]))
+        for text in figures["hostile"]["answered"]:
+            print(f"  answered: {text}")
     if arguments.json:
         arguments.json.write_text(json.dumps(figures, indent=2) + "\n")
 

@@ -90,15 +90,17 @@ void add_comparisons(const AnswerList& list) {
       if (one == other || first.size() != 1 || second.size() != 1 || !are_all_done(first) ||
           !are_all_done(second))
         continue;
-      const auto add = [&](const char* what, bool value) {
+      const auto add = [&](const char* what, bool value) -> KnownAnswer& {
         KnownAnswer& known =
             list.add("action_detail", {.what = what, .skill = "pick", .thing = one},
                      answers::YesNo{value}, {first[0]->begun, second[0]->begun});
         known.slots["thing2"] = other;
+        return known;
       };
       const double ratio = first[0]->seconds() / second[0]->seconds();
       if (ratio > kClearlyLonger || ratio < 1 / kClearlyLonger) add("compare_duration", ratio > 1);
-      add("compare_order", first[0]->started < second[0]->started);
+      const bool is_first = first[0]->started < second[0]->started;
+      add("compare_order", is_first).also = {answers::Names{{is_first ? one : other}}};
       if (first[0]->hand.empty() || second[0]->hand.empty()) continue;
       add("same_hand", first[0]->hand == second[0]->hand);
     }

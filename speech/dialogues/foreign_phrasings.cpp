@@ -79,6 +79,9 @@ std::string own_what(const ForeignPhrasing& phrasing) {
   if (what == "what_if_not_stopped_next") return "what_next_if_not_stopped";
   if (what == "where_thing_if_not_stopped") return "where_to_if_not_stopped_thing";
   if (what.starts_with("what_if_not_") && has_thing) return what + "_thing";
+  // The next step alone is asked for.
+  if (what.starts_with("what_if_not_") && phrasing.question.find(" next") != std::string::npos)
+    return "what_next_if" + what.substr(std::string_view("what_if").size());
   return what;
 }
 

@@ -37,7 +37,8 @@ void add_failed(const AnswerList& list, const std::string& when, const std::stri
     }
     return;
   }
-  add("any_failure", answers::YesNo{true});
+  // To name them says that there were some.
+  add("any_failure", answers::YesNo{true}).also = {events_of(failed)};
   add("did_everything_succeed", answers::YesNo{false});
   KnownAnswer& what = add("what_failed", events_of(failed));
   Actions both;
