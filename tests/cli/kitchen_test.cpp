@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "tests/cli/run_program.h"
 #include "tests/ltm/scratch_directory.h"
@@ -52,6 +53,28 @@ TEST(SimulateKitchen, RecordsSeedsInProcessesBesideEachOtherAndEqualSeedsEqually
   EXPECT_THAT(asked.out, HasSubstr("2026-01-01 09:00:00.5"));
   EXPECT_THAT(run_engram({"query", alone, "Speech @ all"}).out, HasSubstr(R"("text":")"))
       << "shown, however long it is";
+}
+
+TEST(SimulateKitchen, RecordsAllButImages) {
+  const ScratchDirectory directory;
+  const std::string store = directory / "plain.engram";
+  const RunResult made =
+      run_engram({"simulate", "kitchen", store, "--no-images", "--seconds", "2"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("plain.engram: seed 1, 0 stereo images in 2 s"));
+  // Links that lead to nothing would be noted.
+  const RunResult checked = run_engram({"check", store, "--json"});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+  EXPECT_EQ(nlohmann::json::parse(checked.out)["findings"].size(), 0U) << checked.out;
+  const RunResult asked = run_engram({"query", store, "Vision @ all"});
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, HasSubstr("no entity matches"));
+  EXPECT_THAT(run_engram({"query", store, "Simulation @ all", "--json"}).out,
+              HasSubstr(R"("has_images": false)"));
+  const RunResult deep = run_engram({"simulate", "kitchen", store, "--no-images", "--depth"});
+  EXPECT_EQ(deep.exit_code, 2);
+  EXPECT_THAT(deep.err, HasSubstr("depth without images"));
+  EXPECT_EQ(run_engram({"simulate", "kitchen", "--live", "--no-images"}).exit_code, 2);
 }
 
 TEST(SimulateKitchen, WritesPlainFiles) {
