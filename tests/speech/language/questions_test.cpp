@@ -119,9 +119,7 @@ TEST_F(Questions, OfTimesThatMakeNoSenseAreRefused) {
         "What did you do between 8:00:30 and two minutes ago?",
         "What did you do from now to yesterday?", "What did you do at 25:00?"}) {
     const Answer answer = answer_to(question);
-    EXPECT_TRUE(is_unknown(answer.value)) << question
-                                          << "
-                                             " << answer.text;
+    EXPECT_TRUE(is_unknown(answer.value)) << question << "\n  " << answer.text;
   }
 }
 
