@@ -62,10 +62,16 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   const bool has_thing = !clause.things.empty() || is_it ||
                          clause.has_any({"them", "something", "anything", "thing", "object"});
   const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
+  const bool is_which = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich;
   const auto carry = [&](const std::string& lemma) {
     // To bring needs a thing, also where the question is which.
     const bool is_of_thing = has_thing || lemma == "bring" || lemma == "carry" ||
                              lemma == "transport" || lemma == "deliver";
+    if (!has_thing && clause.places.empty() && is_which && lemma != "take" && lemma != "get") {
+      add("place");
+      if (lemma == "move" || lemma == "shift") add("pick");
+      return true;
+    }
     if (!has_thing && clause.places.empty()) return false;
     if (is_of_thing && !clause.places.empty() && leads_somewhere) {
       add("place");
@@ -103,7 +109,8 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   }
   for (const char* lemma : {"bring", "transport", "shift", "relocate", "transfer"})
     if (clause.verbs.empty() && clause.has(lemma)) carry(lemma);
-  if (clause.verbs.empty() && clause.has("carry") && !clause.places.empty()) carry("carry");
+  if (clause.verbs.empty() && clause.has("carry") && (!clause.places.empty() || is_which))
+    carry("carry");
   if (clause.verbs.empty() && clause.has("carry") && clause.places.empty() &&
       parts_.asks == Asks::kWhere)
     add(clause.has("from") ? "pick" : "place");
@@ -209,6 +216,13 @@ void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise
     program.then(StepKind::kShortest);
   else if (otherwise)
     program.then(*otherwise);
+}
+
+bool GrammarRules::is_of_present() const {
+  if (parts_.times.is_now) return true;
+  if (!parts_.times.empty() || parts_.beside) return false;
+  const bool is_past = main_.has_any({"did", "have", "has", "had", "was", "were", "been"});
+  return !is_past && main_.has_any({"are", "is", "do", "current", "currently"});
 }
 
 bool GrammarRules::asks_for_hand() const {

@@ -69,6 +69,8 @@ class GrammarRules {
   void add_order(Program& program, std::optional<StepKind> otherwise) const;
   [[nodiscard]] bool has_order() const;
 
+  /// Whether the present is asked about: "What are you doing?"
+  [[nodiscard]] bool is_of_present() const;
   /// Whether a hand is asked for: "which hand", "which of your arms", "left or right".
   [[nodiscard]] bool asks_for_hand() const;
   [[nodiscard]] bool asks_about_failure() const;

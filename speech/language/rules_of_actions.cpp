@@ -10,9 +10,18 @@ GrammarRules::Found GrammarRules::amounts() {
     Program program = executions();
     // What lies between two events is no execution.
     if (program.filters.empty() && !has_order()) return {};
+    // How long a thing was held, or the robot was somewhere, is no execution.
+    const bool is_of_state =
+        skills_of(main_).empty() &&
+        (asks_about_holding() || (is_of_robot() && main_.has_any({"were", "been", "are"})));
+    if (is_of_state) return {};
     const bool is_of_clause = parts_.beside && !main_.has_verb() && thing().empty();
     if (main_.has_any({"after", "before"}) || is_of_clause) return {};
-    if (!main_.has_any({"altogether", "total", "overall"})) add_order(program, StepKind::kLast);
+    const bool is_of_one = has_order() || program.find(FilterKey::kSkill) != nullptr ||
+                           program.find(FilterKey::kThing) != nullptr ||
+                           program.find(FilterKey::kPlace) != nullptr;
+    if (is_of_one && !main_.has_any({"altogether", "total", "overall"}))
+      add_order(program, StepKind::kLast);
     return program.then(StepKind::kHowLong);
   }
   if (main_.has_any({"total", "altogether", "overall"}) && main_.has("time") && main_.has_verb() &&
@@ -252,7 +261,9 @@ GrammarRules::Found GrammarRules::what() {
     return program.then(StepKind::kEvents);
   }
   Program program = executions();
-  if (parts_.times.is_now && parts_.times.empty()) program.with(FilterKey::kAt, "now");
+  const bool is_task = main_.has_any({"task", "job", "busy", "doing", "activity", "action"});
+  if (parts_.times.empty() && !is_narration && !has_order() && is_of_present() && is_task)
+    program.with(FilterKey::kAt, "now");
   if (asks_about_success() || main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}))
     program.with(FilterKey::kOutcome, "success");
   const bool needs_place = main_.has("be") || main_.has("do");

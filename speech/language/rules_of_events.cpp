@@ -144,12 +144,14 @@ GrammarRules::Found GrammarRules::when() {
     moment->steps.pop_back();
     return moment->then(step);
   }
-  if (asks_about_sight() && !main_.has_verb()) {
+  const bool is_appearing = main_.has("appear") && !thing().empty();
+  if ((asks_about_sight() || is_appearing) && !main_.has_verb()) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
     if (parts_.times.during) program.with(FilterKey::kDuring, *parts_.times.during);
-    program.then(main_.has_any({"first", "initial", "earliest"}) ? StepKind::kFirstSeen
-                                                                 : StepKind::kLastSeen);
+    program.then(is_appearing || main_.has_any({"first", "initial", "earliest"})
+                     ? StepKind::kFirstSeen
+                     : StepKind::kLastSeen);
     return program.then(step);
   }
   if (asks_about_stop() || asks_about_failure()) {

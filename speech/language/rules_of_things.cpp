@@ -81,7 +81,8 @@ GrammarRules::Found GrammarRules::holding() {
   if (parts_.asks == Asks::kWhether || !asks_about_holding()) return on_place();
   if (parts_.asks != Asks::kWhat && parts_.asks != Asks::kWhich) return {};
   // What was carried to a place was placed there.
-  if (main_.has("carry") && !main_.places.empty())
+  const bool is_past_carry = main_.has("did") && parts_.times.empty() && !parts_.beside;
+  if (main_.has("carry") && (!main_.places.empty() || is_past_carry))
     return executions().with(FilterKey::kOutcome, "success").then(StepKind::kWhich, "thing");
   Program program{ProgramSource::kThings, {}, {}};
   program.with(FilterKey::kIsHeld, "yes");
@@ -111,8 +112,7 @@ GrammarRules::Found GrammarRules::on_place() {
 GrammarRules::Found GrammarRules::seeing() {
   Program program{ProgramSource::kThings, {}, {}};
   add_places(program);
-  const bool is_present = parts_.times.is_now || main_.has_any({"visible", "sight", "can"}) ||
-                          (main_.has("do") && !main_.has("did") && !main_.has("have"));
+  const bool is_present = is_of_present() || main_.has_any({"visible", "sight", "can"});
   if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
     add_moment(program);
     program.with(FilterKey::kVisible, "yes");

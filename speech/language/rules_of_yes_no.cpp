@@ -128,6 +128,10 @@ GrammarRules::Found GrammarRules::whether() {
     return {};
   }
   Program program = executions();
+  // "Are you moving?"
+  const std::string& first = main_.words.front().text;
+  if ((first == "are" || first == "is") && is_of_robot() && is_of_present())
+    return program.with(FilterKey::kAt, "now").then(StepKind::kExists);
   // "Was the second grasp successful?"
   if (has_order() && (asks_about_success() || main_.has("work"))) {
     add_order(program, {});
@@ -242,8 +246,7 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
     if (thing().empty() && !is_anything) return {};
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
-    const bool is_present = parts_.times.is_now || main_.has_any({"visible", "sight", "can"}) ||
-                            (main_.has("is") && !main_.has("has"));
+    const bool is_present = is_of_present() || main_.has_any({"visible", "sight", "can"});
     if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
       add_moment(program);
       return program.then(StepKind::kIsVisible);
