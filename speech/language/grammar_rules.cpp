@@ -180,6 +180,19 @@ void GrammarRules::add_times(Program& program) const {
     program.filters.push_back({key, {{}, std::make_shared<const Program>(*std::move(moment))}});
 }
 
+void GrammarRules::add_sight_times(Program& program) const {
+  const AskedTimes& times = parts_.times;
+  if (times.during) program.with(FilterKey::kDuring, *times.during);
+  if (times.after) program.with(FilterKey::kAfter, *times.after);
+  if (times.before) program.with(FilterKey::kBefore, *times.before);
+  if (!parts_.beside || parts_.beside->link == ClauseLink::kWhile) return;
+  const FilterKey key =
+      parts_.beside->link == ClauseLink::kAfter ? FilterKey::kAfter : FilterKey::kBefore;
+  if (program.find(key) != nullptr) return;
+  if (auto moment = moment_of_clause())
+    program.filters.push_back({key, {{}, std::make_shared<const Program>(*std::move(moment))}});
+}
+
 void GrammarRules::add_moment(Program& program) const {
   const AskedTimes& times = parts_.times;
   if (parts_.beside) {
@@ -292,6 +305,8 @@ GrammarRules::Found GrammarRules::program() {
                        parts_.asks == Asks::kWhere || parts_.asks == Asks::kWho ||
                        parts_.asks == Asks::kHowMany;
   const bool is_would = main_.has("would") || main_.has("if");
+  // Superlatives of counts, and that nothing else was done, are other questions, too.
+  if (main_.has_any({"most", "least", "only", "except"}) && !is_would && !has_order()) return {};
   if (is_list && main_.has_any({"not", "never"}) && !is_would && !asks_about_failure()) return {};
   using Rule = Found (GrammarRules::*)();
   constexpr Rule kRules[] = {

@@ -61,6 +61,8 @@ class GrammarRules {
   [[nodiscard]] std::string skills_of(const ClauseParts& clause) const;
   /// Adds the times, and the time that a subordinate clause tells.
   void add_times(Program& program) const;
+  /// The times in which a thing was seen.
+  void add_sight_times(Program& program) const;
   /// The moment as `at`, for things and the robot: a span counts by its end.
   void add_moment(Program& program) const;
   /// The program of what a subordinate clause tells; its last step is when or ended.

@@ -138,6 +138,7 @@ GrammarRules::Found GrammarRules::which() {
     // "Left or right" names no hand that was used.
     std::erase_if(program.filters,
                   [](const ProgramFilter& filter) { return filter.key == FilterKey::kHand; });
+    if (asks_about_failure()) program.with(FilterKey::kOutcome, "failure");
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kWhich, "hand");
   }
@@ -198,9 +199,9 @@ GrammarRules::Found GrammarRules::what() {
                        (parts_.asks == Asks::kNothing &&
                         (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
   if (!is_what) return {};
-  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) &&
-                          (has_order() || !main_.persons.empty()) && !main_.has("did") &&
-                          !main_.has_verb();
+  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && !main_.has_verb() &&
+                          (main_.has_any({"have", "get"}) ||
+                           ((has_order() || !main_.persons.empty()) && !main_.has("did")));
   const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
   if (is_of_words) {

@@ -148,7 +148,7 @@ GrammarRules::Found GrammarRules::when() {
   if ((asks_about_sight() || is_appearing) && !main_.has_verb()) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
-    if (parts_.times.during) program.with(FilterKey::kDuring, *parts_.times.during);
+    add_sight_times(program);
     program.then(is_appearing || main_.has_any({"first", "initial", "earliest"})
                      ? StepKind::kFirstSeen
                      : StepKind::kLastSeen);

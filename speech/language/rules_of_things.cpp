@@ -23,7 +23,7 @@ GrammarRules::Found GrammarRules::where() {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
     if (is_mine) return program.then(StepKind::kWhere);
-    if (parts_.times.during) program.with(FilterKey::kDuring, *parts_.times.during);
+    add_sight_times(program);
     program.then(main_.has_any({"first", "initial", "earliest"}) ? StepKind::kFirstSeen
                                                                  : StepKind::kLastSeen);
     return program.then(StepKind::kWhere);

@@ -45,7 +45,7 @@ bool fits_source(Key key, Source source) {
       return source != Source::kRobot;
     case Key::kAfter:
     case Key::kBefore:
-      return !is_one_of(source, {Source::kThings, Source::kRobot});
+      return source != Source::kRobot;
   }
   return false;
 }
