@@ -25,10 +25,16 @@ constexpr auto kTime = [](const SharedSnapshot& snapshot) { return snapshot->tim
 ///
 /// The newest moment is known from the beginning. The others, which may be hundreds of thousands,
 /// are asked for when a question is about one of them, and in any case before the store is opened.
+///
+/// It ends where it ended when it was made. The store may be opened later and have more by then,
+/// and the answer to one question must not be made of several pasts.
 class JoinedEntityPast final : public EntityPast {
  public:
   explicit JoinedEntityPast(JoinedParts parts)
-      : newest_(std::move(parts.newest)), until_(parts.until()), parts_(std::move(parts)) {}
+      : newest_(std::move(parts.newest)),
+        until_(parts.until()),
+        end_(later(newest_ ? std::optional(newest_->time) : std::nullopt, until_)),
+        parts_(std::move(parts)) {}
 
   Result<std::optional<Time>> first() override {
     fill();
@@ -36,7 +42,7 @@ class JoinedEntityPast final : public EntityPast {
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
     ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->first());
-    return earlier(here, there);
+    return earlier(here, known(there));
   }
 
   Result<std::optional<Time>> last() override {
@@ -44,7 +50,7 @@ class JoinedEntityPast final : public EntityPast {
     if (is_latest(here)) return here;
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
-    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->last());
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_before(*end_));
     return later(here, there);
   }
 
@@ -59,7 +65,7 @@ class JoinedEntityPast final : public EntityPast {
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
     ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_after(time));
-    return earlier(here, there);
+    return earlier(here, known(there));
   }
 
   Result<std::optional<Time>> at_or_before(Time time) override {
@@ -73,7 +79,7 @@ class JoinedEntityPast final : public EntityPast {
     if (here == time || is_latest(here)) return here;
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return here;
-    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_before(time));
+    ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->at_or_before(std::min(time, *end_)));
     return later(here, there);
   }
 
@@ -101,7 +107,7 @@ class JoinedEntityPast final : public EntityPast {
     }
     ENGRAM_ASSIGN_OR_RETURN(const auto there, stored->nth(index - low));
     const auto here = low < unstored.size() ? std::optional(unstored[low]) : std::nullopt;
-    return earlier(here, there);
+    return earlier(here, known(there));
   }
 
   Result<uint64_t> count() override {
@@ -109,7 +115,7 @@ class JoinedEntityPast final : public EntityPast {
     ENGRAM_ASSIGN_OR_RETURN(EntityPast * stored, this->stored());
     if (stored == nullptr) return uint64_t{held_.size()};
     ENGRAM_RETURN_IF_ERROR(find_unstored(*stored));
-    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, stored->count());
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, known_of(*stored));
     return count + unstored_->size();
   }
 
@@ -140,6 +146,29 @@ class JoinedEntityPast final : public EntityPast {
   /// True if no stored moment comes after `here`.
   [[nodiscard]] bool is_latest(std::optional<Time> here) const {
     return !until_ || (here && *until_ <= *here);
+  }
+
+  /// Nothing where a moment lies after the end.
+  [[nodiscard]] std::optional<Time> known(std::optional<Time> there) const {
+    return there && *there <= *end_ ? there : std::nullopt;
+  }
+
+  /// The number of stored moments up to the end.
+  Result<uint64_t> known_of(EntityPast& stored) const {
+    ENGRAM_ASSIGN_OR_RETURN(const uint64_t count, stored.count());
+    ENGRAM_ASSIGN_OR_RETURN(const auto last, stored.last());
+    if (!last || *last <= *end_) return count;
+    uint64_t low = 0;
+    uint64_t high = count;
+    while (low < high) {
+      const uint64_t middle = low + (high - low) / 2;
+      ENGRAM_ASSIGN_OR_RETURN(const auto there, stored.nth(middle));
+      if (there && *there <= *end_)
+        low = middle + 1;
+      else
+        high = middle;
+    }
+    return low;
   }
 
   [[nodiscard]] SharedSnapshot find(Time time) {
@@ -193,6 +222,7 @@ class JoinedEntityPast final : public EntityPast {
 
   const SharedSnapshot newest_;  ///< Null: none is held.
   std::optional<Time> until_;
+  const std::optional<Time> end_;  ///< The last moment of it. Nothing: there was none.
   const JoinedParts parts_;
   std::vector<SharedSnapshot> held_;  ///< The newest too, once they were asked for.
   bool is_filled_ = false;

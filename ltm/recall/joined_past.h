@@ -75,8 +75,9 @@ struct JoinedParts {
   std::function<Result<std::unique_ptr<EntityPast>>()> stored;
 };
 
-/// Joins the held and the stored moments of an entity. Snapshots that come after `newest` are no
-/// part of it.
+/// Joins the held and the stored moments of an entity, as they are now: nothing after the newest
+/// held moment and the first answer of `until` is part of it, whatever the store has when it is
+/// opened.
 [[nodiscard]] std::unique_ptr<EntityPast> join_pasts(JoinedParts parts);
 
 }  // namespace engram::ltm

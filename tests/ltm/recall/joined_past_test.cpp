@@ -191,6 +191,23 @@ TEST(JoinedPast, MissesNothingThatLeavesMemoryMeanwhile) {
   asked([](EntityPast& past) { return *past.nth(2); });
 }
 
+TEST(JoinedPast, EndsWhereItEndedWhenItWasMade) {
+  for (const std::set<int64_t>& held : {std::set<int64_t>{}, {3}, {2, 3}}) {
+    Both both(held, {1, 3});
+    // The store is opened after these were recorded.
+    both.stored.insert({7, 9, 20});
+    EntityPast& past = *both.joined;
+    EXPECT_EQ(*past.at_or_after(time_from_ns(4)), std::nullopt);
+    EXPECT_EQ(*past.at_or_before(time_from_ns(30)), time_from_ns(3));
+    EXPECT_EQ(*past.last(), time_from_ns(3));
+    EXPECT_EQ(*past.first(), time_from_ns(1));
+    const uint64_t count = held.contains(2) ? 3 : 2;
+    EXPECT_EQ(*past.count(), count);
+    EXPECT_EQ(*past.nth(count - 1), time_from_ns(3));
+    EXPECT_EQ(*past.nth(count), std::nullopt);
+  }
+}
+
 TEST(JoinedPast, ReadsFromMemoryWhatBothHave) {
   const Both both({3, 7}, {3, 5});
   const auto held = both.joined->read(time_from_ns(3), Prefer::kRecorded);
