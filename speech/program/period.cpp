@@ -203,11 +203,20 @@ std::string spoken_time(Time time, Time now, DayZone zone) {
 }
 
 std::string spoken_span(Time from, Time to, Time now, DayZone zone) {
-  const auto without_at = [](std::string text) {
-    return text.starts_with("at ") ? text.substr(3) : text;
+  const std::string first = spoken_time(from, now, zone);
+  const std::string last = spoken_time(to, now, zone);
+  // The clock stands behind the last "at ".
+  const auto clock_of = [](const std::string& text) { return text.substr(text.rfind("at ") + 3); };
+  if (whole_day(from, 0, zone).contains(to)) {
+    const std::string day = first.substr(0, first.rfind("at "));
+    return fmt::format("{}from {} to {}", day, clock_of(first), clock_of(last));
+  }
+  const auto without = [](std::string text) {
+    for (const std::string_view word : {"at ", "on "})
+      if (text.starts_with(word)) return text.substr(word.size());
+    return text;
   };
-  return fmt::format("from {} to {}", without_at(spoken_time(from, now, zone)),
-                     without_at(spoken_time(to, now, zone)));
+  return fmt::format("from {} to {}", without(first), without(last));
 }
 
 std::string spoken_duration(double length_s) {

@@ -101,7 +101,10 @@ std::string sentence(std::string text) {
   if (text.empty()) return text;
   if (text.front() >= 'a' && text.front() <= 'z')
     text.front() = static_cast<char>(text.front() - 'a' + 'A');
-  if (text.back() != '.' && text.back() != '!' && text.back() != '?') text += '.';
+  // Words in quotes end with their own mark.
+  const std::string_view said = std::string_view(text).substr(0, text.find_last_not_of('"') + 1);
+  if (said.empty() || std::string_view(".!?").find(said.back()) == std::string_view::npos)
+    text += '.';
   return text;
 }
 

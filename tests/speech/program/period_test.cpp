@@ -69,6 +69,15 @@ TEST(Period, IsSpokenByTheDay) {
   EXPECT_EQ(spoken("2026-01-08 08:05:12"), "at 08:05:12");
   EXPECT_EQ(spoken("2026-01-07 08:05:12"), "yesterday at 08:05:12");
   EXPECT_EQ(spoken("2026-01-01 08:05:12"), "on 2026-01-01 at 08:05:12");
+  const auto span = [](const char* from, const char* to) {
+    return spoken_span(*parse_time(from), *parse_time(to), kNow, DayZone::kUtc);
+  };
+  EXPECT_EQ(span("2026-01-08 08:05:12", "2026-01-08 09:00"), "from 08:05:12 to 09:00:00");
+  EXPECT_EQ(span("2026-01-07 08:05:12", "2026-01-07 09:00"), "yesterday from 08:05:12 to 09:00:00");
+  EXPECT_EQ(span("2026-01-01 08:05:12", "2026-01-01 09:00"),
+            "on 2026-01-01 from 08:05:12 to 09:00:00");
+  EXPECT_EQ(span("2026-01-01 08:05:12", "2026-01-07 09:00"),
+            "from 2026-01-01 at 08:05:12 to yesterday at 09:00:00");
   EXPECT_EQ(spoken_duration(3.249), "3.2 seconds");
   EXPECT_EQ(spoken_duration(1), "1 second");
   EXPECT_EQ(spoken_duration(125), "2 minutes and 5 seconds");

@@ -60,7 +60,7 @@ TEST_F(Telling, SaysEachKindOfValue) {
   EXPECT_EQ(told("executions skill=place | last | which=hand"), "My right hand.");
   EXPECT_EQ(told("robot at=08:00:20 | where"), "I was at the table.");
   EXPECT_EQ(told("executions skill=navigate place=table | last | why"),
-            "Because Ada said: \"I need the salt on the table.\".");
+            "Because Ada said: \"I need the salt on the table.\"");
   EXPECT_EQ(told("executions outcome=stop | last | instead"),
             "By my plan I would have gone on to drive to the table for the tea and place the tea "
             "on the table.");
