@@ -99,7 +99,7 @@ class Llm(unittest.TestCase):
             return says("Somebody wanted the salt.", shown_by(request))
 
         with Model(reply) as model:
-            told = self.ask("Ei, wat nu then robot flurb?", "--llm", model.url, "--llm-model", "m")
+            told = self.ask("Was it a good day?", "--llm", model.url, "--llm-model", "m")
             self.assertEqual(told["route"], "llm")
             self.assertEqual(told["text"], "Somebody wanted the salt.")
             self.assertTrue(told["evidence"])
