@@ -28,7 +28,7 @@ constexpr std::string_view kGrammarLemmas =
     "out back near beside next and or touch handle manipulate move bring transport shift relocate "
     "quit hear skill furniture piece perform execute conduct know badly amiss awry "
     "outcome result status clue motivation drop slower faster quicker free gripper hands goes "
-    "cover repeat deal surface "
+    "cover repeat deal surface endure idle inactive active run "
     "location position whereabouts place reason cause purpose instead otherwise else go wrong "
     "count number total different distinct person human people summary summarize summarise "
     "describe report "

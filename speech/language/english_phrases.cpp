@@ -24,6 +24,74 @@ constexpr Phrase kPhrases[] = {
     {"can you list the", "which"},
     {"could you list the", "which"},
     {"can you list all the", "which"},
+    // How things began, and what followed what.
+    {"did you have in mind", "did you plan"},
+    {"still to come", "left to do"},
+    {"supposed to come", "left to do"},
+    {"supposed to follow", "left to do"},
+    {"what preceded", "what did you do before"},
+    {"what came next after", "what did you do after"},
+    {"what came next", "what did you do next"},
+    {"what came then", "what did you do next"},
+    {"what happened next", "what did you do next"},
+    {"what then", "what did you do next"},
+    {"what next", "what did you do next"},
+    {"your next move", "you do next"},
+    {"your next action", "you do next"},
+    {"your next step", "you do next"},
+    {"where you doing", "were you doing"},
+    {"did anything get done", "did you do anything"},
+    {"and if so what", "what"},
+    {"if so what", "what"},
+    {"and what was it", "what"},
+    {"and what was that", "what"},
+    {"did something interrupt you and what", "why stop"},
+    {"did something stop you and what", "why stop"},
+    {"did anything interrupt you and what", "why stop"},
+    {"did anything stop you and what", "why stop"},
+    {"what led to", "why"},
+    {"what brought about", "why"},
+    {"how so", "why"},
+    {"the goal of your plan", "your job"},
+    {"the aim of your plan", "your job"},
+    {"your goal", "your job"},
+    // What the robot sees with.
+    {"your cameras", "you"},
+    {"your camera", "you"},
+    {"your eyes", "you"},
+    {"your sensors", "you"},
+    {"most recent sighting of", "when last see"},
+    {"latest sighting of", "when last see"},
+    {"last sighting of", "when last see"},
+    {"first sighting of", "when first see"},
+    {"earliest sighting of", "when first see"},
+    {"what was the earliest moment", "when first"},
+    {"what was the first moment", "when first"},
+    {"what was the latest moment", "when last"},
+    {"what was the last moment", "when last"},
+    {"how early", "when first"},
+    {"what time was it when", "when"},
+    {"the time you", "when you"},
+    {"could you point me to", "where is"},
+    {"can you point me to", "where is"},
+    {"point me to", "where is"},
+    {"odometry", "driven distance"},
+    {"were you on the way to", "did you drive to"},
+    {"were you on your way to", "did you drive to"},
+    {"on the way to", "driving to"},
+    {"on your way to", "driving to"},
+    {"set off for", "drive to"},
+    {"set out for", "drive to"},
+    {"cut short", "interrupted"},
+    {"brought you to a standstill", "stopped you"},
+    {"bring you to a standstill", "stop you"},
+    {"come to a standstill", "stop"},
+    {"came to a standstill", "stopped"},
+    {"come to a halt", "stop"},
+    {"came to a halt", "stopped"},
+    {"without any success", "unsuccessfully"},
+    {"without success", "unsuccessfully"},
+    {"in vain", "unsuccessfully"},
     {"walk me through", "describe"},
     {"talk me through", "describe"},
     {"fill me in on", "describe"},
@@ -45,7 +113,6 @@ constexpr Phrase kPhrases[] = {
     {"what came before", "what did you do before"},
     {"what followed after", "what did you do after"},
     {"what followed", "what did you do after"},
-    {"what came next after", "what did you do after"},
     {"what was your motivation for", "why"},
     {"what was the motivation for", "why"},
     {"what was the purpose of", "why"},
@@ -351,7 +418,15 @@ constexpr Phrase kPhrases[] = {
 };
 
 /// Roundabout beginnings. What ends with '?' makes a question of what follows.
-constexpr std::string_view kPoliteBeginnings[] = {"can you confirm that",
+constexpr std::string_view kPoliteBeginnings[] = {"would you be so kind as to tell me",
+                                                  "could you be so kind as to tell me",
+                                                  "be so kind as to tell me",
+                                                  "would you be so kind and tell me",
+                                                  "please give me",
+                                                  "could you give me",
+                                                  "can you give me",
+                                                  "give me",
+                                                  "can you confirm that",
                                                   "could you confirm that",
                                                   "can you confirm",
                                                   "is it true that",
@@ -432,6 +507,18 @@ constexpr std::string_view kPoliteBeginnings[] = {"can you confirm that",
                                                   "may i ask",
                                                   "can i ask"};
 
+/// What somebody does not know is asked for where a question word follows: "I forgot who".
+constexpr std::string_view kIgnorantBeginnings[] = {
+    "i can not remember", "i do not remember", "i can not recall", "i do not recall",
+    "i do not know",      "i forgot",          "i have forgotten", "i did not see",
+    "i did not notice",   "i did not catch",   "i am not sure",    "i have no idea",
+};
+
+bool is_question_word(std::string_view word) {
+  return word == "who" || word == "whom" || word == "what" || word == "which" || word == "where" ||
+         word == "when" || word == "why" || word == "how" || word == "whether" || word == "if";
+}
+
 std::vector<std::string_view> parts_of_phrase(std::string_view phrase) {
   std::vector<std::string_view> parts;
   while (!phrase.empty()) {
@@ -467,6 +554,17 @@ bool take_politeness(std::vector<QuestionWord>& words) {
       if (at < words.size()) words[at].begins_sentence = true;
       is_here = is_taken = true;
       break;
+    }
+    for (const std::string_view beginning : kIgnorantBeginnings) {
+      const auto phrase = parts_of_phrase(beginning);
+      const size_t next = at + phrase.size();
+      if (is_here || !is_phrase_at(words, at, phrase) || next >= words.size() ||
+          !is_question_word(words[next].text))
+        continue;
+      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
+                  words.begin() + static_cast<ptrdiff_t>(next));
+      words[at].begins_sentence = true;
+      is_here = is_taken = true;
     }
     if (!is_here) ++at;
   }

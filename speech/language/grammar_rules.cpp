@@ -98,6 +98,10 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
         clause.has_any({"how_long", "long", "longer", "it"}))
       continue;
     // To leave a place is no skill of putting.
+    if (verb->lemma == "leave" && !has_thing && clause.has("for") && !clause.places.empty()) {
+      add("drive");
+      continue;
+    }
     if (verb->lemma == "leave" && !has_thing) {
       skills.push_back(verb->lemma);
       continue;
@@ -294,13 +298,17 @@ bool GrammarRules::asks_about_attempts() const {
 
 bool GrammarRules::asks_about_success() const {
   return main_.has_any({"succeed", "manage", "accomplish", "achieve", "able"}) ||
-         main_.has_words({"get", "done"});
+         main_.has_words({"get", "done"}) || main_.has_words({"go", "well"}) ||
+         main_.has_words({"go", "fine"});
 }
 
 GrammarRules::Found GrammarRules::program() {
   // What lies between two events, and what was not done, are other questions than these words
   // without "between" and "not".
   if (main_.has("between")) return {};
+  // There are two hands.
+  for (size_t at = 1; at < main_.words.size(); ++at)
+    if (main_.words[at].lemma == "hand" && number_named(main_.words[at - 1].text) > 2) return {};
   const bool is_list = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat ||
                        parts_.asks == Asks::kWhere || parts_.asks == Asks::kWho ||
                        parts_.asks == Asks::kHowMany;

@@ -70,6 +70,10 @@ class GrammarRules {
   /// Adds first, last or nth, as the words say; else the one that is given.
   void add_order(Program& program, std::optional<StepKind> otherwise) const;
   [[nodiscard]] bool has_order() const;
+  /// Whether the longest or the shortest is asked for.
+  [[nodiscard]] bool is_superlative() const {
+    return main_.has_any({"longest", "shortest", "slowest", "quickest", "fastest"});
+  }
 
   /// Whether the present is asked about: "What are you doing?"
   [[nodiscard]] bool is_of_present() const;

@@ -112,10 +112,29 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
          is_word(words[begin], {"so", "and", "well", "but", "ok", "okay", "hey", "hello", "hi",
                                 "robot", "please", "then", "now", "um", "oh"}))
     ++begin;
+  // "Had you picked it up, what would ...", "Did you do anything, and what?"
+  const Asks at_end = asked_by(words, words.size() - 1);
+  if (is_auxiliary(words[begin]) && words.size() > begin + 3 && at_end != Asks::kNothing &&
+      at_end != Asks::kWhen)
+    return at_end;
+  if (is_word(words[begin], {"had"}))
+    for (size_t at = begin + 1; at < words.size(); ++at)
+      if (words[at - 1].ends_clause && asked_by(words, at) != Asks::kNothing)
+        return asked_by(words, at);
   if (!is_indirect && is_auxiliary(words[begin])) return Asks::kWhether;
+  // "Any problems today?"
+  if (!is_indirect && is_word(words[begin], {"any", "anything", "ever"}) &&
+      std::none_of(words.begin(), words.end(), [](const TaggedWord& word) {
+        return is_word(word, {"where", "what", "which", "who", "why", "how", "when"});
+      }))
+    return Asks::kWhether;
   Asks found = Asks::kNothing;
   for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
     found = asked_by(words, at);
+  // For whom and why: the reasons tell both.
+  if (found == Asks::kWho)
+    for (size_t at = 1; at + 1 < words.size(); ++at)
+      if (is_word(words[at], {"and"}) && asked_by(words, at + 1) == Asks::kWhy) return Asks::kWhy;
   // "Did you see where ..." asks where; "did you do what ..." is rare.
   if (found != Asks::kNothing) return found;
   if (is_indirect && std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
@@ -149,7 +168,7 @@ bool asks_of_clause(const TaggedWords& main, Asks asks) {
   if (has({"hold", "carry", "see", "be"}) && asks == Asks::kWhere) return false;
   if (asks == Asks::kWhat && has({"happen"})) return true;
   return has({"hand", "arm", "gripper", "distance", "duration", "fail", "trouble", "problem",
-              "difficulty", "wrong", "mistake"});
+              "difficulty", "wrong", "mistake", "miss"});
 }
 
 std::vector<TaggedWords> sentences_of(const TaggedWords& words) {
@@ -167,6 +186,11 @@ size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
   const auto begins_asking = [](const TaggedWords& words) {
     for (size_t at = 0; at < std::min<size_t>(2, words.size()); ++at)
       if (is_auxiliary(words[at]) || asked_by(words, at) != Asks::kNothing) return true;
+    // "The salt, I mean, where is it?"
+    for (size_t at = 2; at + 1 < words.size(); ++at)
+      if (words[at - 1].ends_clause && asked_by(words, at) != Asks::kNothing &&
+          is_auxiliary(words[at + 1]))
+        return true;
     return false;
   };
   for (size_t i = sentences.size(); i-- > 0;)
@@ -249,6 +273,11 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   std::vector<TaggedWords> sentences = sentences_of(words);
   const size_t asking = asking_sentence(sentences);
   TaggedWords main = sentences[asking];
+  // "You were at the table. Why?" asks of the sentence before.
+  if (main.size() == 1 && asking > 0 && asked_by(main, 0) != Asks::kNothing) {
+    const TaggedWords& told = sentences[asking - 1];
+    main.insert(main.begin(), told.begin(), told.end());
+  }
   auto beside = take_clause(main);
   const Asks asks = main.empty() ? Asks::kNothing : asked_for(main, is_indirect);
   if (beside && beside->link == ClauseLink::kWhile && asks_of_clause(main, asks)) {
@@ -261,7 +290,8 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   for (size_t i = 0; i < sentences.size(); ++i)
     if (i != asking)
       for (const TaggedWord& word : sentences[i])
-        if (word.tag == WordTag::kThing) parts.context.insert(word.value);
+        (word.tag == WordTag::kThing ? parts.context : parts.context_lemmas)
+            .insert(word.tag == WordTag::kThing ? word.value : word.lemma);
   return parts;
 }
 

@@ -71,7 +71,8 @@ struct QuestionParts {
   Asks asks = Asks::kNothing;
   ClauseParts main;
   std::optional<SubordinateClause> beside;
-  std::set<std::string> context;  ///< Things of the sentences before, for "it" and "that".
+  std::set<std::string> context;         ///< Things of the sentences before, for "it" and "that".
+  std::set<std::string> context_lemmas;  ///< What they tell of: "Suppose you had not stopped."
   AskedTimes times;
 
   QuestionParts(Asks asked, ClauseParts clause) : asks(asked), main(std::move(clause)) {}

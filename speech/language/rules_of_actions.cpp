@@ -76,7 +76,9 @@ GrammarRules::Found GrammarRules::amounts() {
     add_times(program);
     return program.then(StepKind::kCount);
   }
-  const bool is_of_things = main_.has_any({"thing", "object", "item", "stuff"});
+  // Things that were done are actions.
+  const bool is_of_things =
+      main_.has_any({"thing", "object", "item", "stuff"}) && !main_.has_words({"you", "do"});
   if (!is_often && is_of_things && main_.has_any({"handle", "touch", "manipulate"}) &&
       !main_.has_verb())
     return executions().then(StepKind::kHowMany, "thing");
@@ -146,8 +148,23 @@ GrammarRules::Found GrammarRules::which() {
   const bool is_of_thing = main_.has_any({"thing", "object", "item"}) || parts_.asks == Asks::kWhat;
   if (is_of_thing && !main_.has_verb() && thing().empty() &&
       (main_.has_any({"handle", "touch", "manipulate", "deal"}) ||
-       (main_.has("action") && main_.has("about"))))
-    return executions().then(StepKind::kWhich, "thing");
+       (main_.has("action") && main_.has("about")))) {
+    Program program = executions();
+    if (asks_about_failure()) {
+      program.with(FilterKey::kOutcome, "failure");
+    } else if (has_order()) {
+      // What was handled last was picked up or placed last, and not driven past.
+      std::string skills;
+      for (const char* name : {"pick", "place"})
+        if (const SkillVerb* verb = verb_of_skill(name))
+          if (const std::string known = lexicon_.skills_of(*verb); !known.empty())
+            skills += (skills.empty() ? "" : ",") + known;
+      if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+    }
+    if (has_order()) add_order(program, {});
+    return program.then(StepKind::kWhich, "thing");
+  }
+  if (is_superlative() && !main_.has_any({"object", "item"})) return {};
   if (asks_about_failure() || asks_about_stop()) {
     const bool is_thing = main_.has_any({"object", "item"}) ||
                           (main_.has("thing") && main_.has_verb() && is_of_robot());
@@ -183,7 +200,7 @@ GrammarRules::Found GrammarRules::what() {
     return program.then(StepKind::kReason);
   }
   if (main_.has("skill") && !main_.has_verb() && parts_.asks != Asks::kNothing &&
-      is_of_robot() == false && (parts_.times.at || main_.has("run")))
+      (!is_of_robot() || main_.has("run")) && (parts_.times.at || main_.has("run")))
     return executions().then(StepKind::kWhich, "skill");
   if (main_.has("know") && main_.has_any({"thing", "object", "item"}) && !main_.has_verb() &&
       (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich)) {
@@ -198,9 +215,23 @@ GrammarRules::Found GrammarRules::what() {
   const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
                        (parts_.asks == Asks::kNothing &&
                         (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
+  const bool is_edge =
+      parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || parts_.asks == Asks::kHow;
+  // "How did your day begin?", "What did you start with?"
+  if (is_edge && main_.has_any({"begin", "start"}) && !main_.has_verb() && thing().empty() &&
+      !parts_.times.at && !asks_about_words() && !asks_about_stop() && !asks_about_failure())
+    return executions().then(StepKind::kFirst).then(StepKind::kEvents);
+  if (is_edge && main_.has_any({"end", "finish"}) && !main_.has_verb() && thing().empty() &&
+      (parts_.asks == Asks::kHow || main_.has("with")) && !parts_.times.at && !asks_about_words() &&
+      !asks_about_stop() && !asks_about_failure())
+    return executions().then(StepKind::kLast).then(StepKind::kEvents);
   if (!is_what) return {};
+  // "What does the salt cost?"
+  if (main_.has("does") && !is_of_robot()) return {};
   const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && !main_.has_verb() &&
                           (main_.has_any({"have", "get"}) ||
+                           (main_.has("your") && main_.has_any({"was", "were"}) &&
+                            !main_.has("you") && !parts_.times.at) ||
                            ((has_order() || !main_.persons.empty()) && !main_.has("did")));
   const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
@@ -242,8 +273,8 @@ GrammarRules::Found GrammarRules::what() {
       main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}) ||
       (asks_about_success() && thing().empty()) ||
       main_.has_any({"do", "happen", "occur", "action", "activity", "task", "work", "job", "busy",
-                     "step", "event", "accomplish", "achieve", "longest", "shortest"}) ||
-      is_narration;
+                     "step", "event", "accomplish", "achieve"}) ||
+      is_superlative() || is_narration;
   if (!is_of_doing) return {};
   // What was done right beside something else is the one action there.
   if (parts_.beside && parts_.beside->link != ClauseLink::kWhile && !has_order() && !is_narration) {
@@ -255,8 +286,12 @@ GrammarRules::Found GrammarRules::what() {
       return moment->then(StepKind::kEvents);
     }
   }
-  if (main_.has_any({"longest", "shortest", "slowest", "quickest", "fastest"}) &&
-      !main_.has("did")) {
+  // "What did you do next after I said stop?"
+  const bool is_next = parts_.beside && parts_.beside->link == ClauseLink::kAfter &&
+                       main_.has_any({"next", "immediately", "directly"});
+  if (is_next && !has_order() && !is_narration)
+    return executions().then(StepKind::kFirst).then(StepKind::kEvents);
+  if (is_superlative()) {
     Program program = executions();
     add_order(program, {});
     return program.then(StepKind::kEvents);

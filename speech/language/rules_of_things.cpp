@@ -13,6 +13,16 @@ GrammarRules::Found GrammarRules::where() {
       (main_.has_words({"look", "for"}) || main_.has_words({"looking", "for"}) ||
        (main_.has("not") && main_.has_any({"find", "see"})) || main_.has_any({"search", "lose"}));
   if (parts_.asks != Asks::kWhere && !is_noun && !is_lost) return {};
+  const SkillVerb* taking = verb_of_skill("pick");
+  // "Where had it been standing before?": from where it was taken.
+  if (!thing().empty() && main_.has("before") && main_.has("had") &&
+      main_.has_any({"be", "been"}) && !main_.has_verb() && parts_.times.empty() &&
+      !parts_.beside && taking != nullptr && !lexicon_.skills_of(*taking).empty()) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    add_thing(program);
+    return program.then(StepKind::kLast).then(StepKind::kWhere);
+  }
   if (is_lost) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
@@ -46,6 +56,15 @@ GrammarRules::Found GrammarRules::where() {
       program.with(FilterKey::kSkill, lexicon_.skills_of(*pick));
       return program.then(StepKind::kLast).then(StepKind::kWhere);
     }
+    // Where it went after it was picked up is where it was placed then.
+    const SkillVerb* place = verb_of_skill("place");
+    if (parts_.beside && parts_.beside->link == ClauseLink::kAfter && place != nullptr &&
+        !lexicon_.skills_of(*place).empty()) {
+      program.source = ProgramSource::kExecutions;
+      program.with(FilterKey::kSkill, lexicon_.skills_of(*place));
+      add_times(program);
+      return program.then(StepKind::kFirst).then(StepKind::kWhere);
+    }
     add_moment(program);
     return program.then(StepKind::kWhere);
   }
@@ -70,7 +89,7 @@ GrammarRules::Found GrammarRules::where() {
     add_moment(program);
     return program.then(StepKind::kWhere);
   }
-  if (!is_of_robot()) return {};
+  if (!is_of_robot() && !(is_noun && main_.has("your"))) return {};
   Program program{ProgramSource::kRobot, {}, {}};
   add_moment(program);
   return program.then(StepKind::kWhere);
@@ -100,7 +119,8 @@ GrammarRules::Found GrammarRules::on_place() {
       main_.has_any({"be", "stand", "lie", "sit", "there", "lay", "keep", "have"});
   const bool is_named = main_.has_any({"thing", "object", "item"}) && main_.has("on");
   if (main_.places.empty() || (!is_there && !is_named) || main_.has("you") || main_.has_verb() ||
-      main_.has_any({"do", "happen"}))
+      main_.has("happen") ||
+      (main_.has("do") && !(main_.has("have") && main_.has_any({"i", "we"}))))
     return {};
   Program program{ProgramSource::kThings, {}, {}};
   add_places(program);

@@ -100,6 +100,14 @@ GrammarRules::Found GrammarRules::whether() {
   // A comparison that no rule above understood must not be answered as something else.
   if (main_.has("than")) return {};
   if (Found found = whether_failed()) return found;
+  const bool is_busy =
+      main_.has_any({"busy", "active"}) || (main_.has_any({"action", "skill"}) && main_.has("run"));
+  if ((is_busy || main_.has_any({"idle", "inactive"})) && !main_.has_verb() && thing().empty() &&
+      main_.places.empty()) {
+    Program program = executions();
+    if (is_of_present()) program.with(FilterKey::kAt, "now");
+    return program.then(is_busy || main_.has("action") ? StepKind::kExists : StepKind::kNone);
+  }
   if (Found found = robot_at()) return found;
   if (Found found = whether_of_thing()) return found;
   if (Found found = whether_asked()) return found;
@@ -234,6 +242,16 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
   if (main_.has_verb() && !skills_of(main_).empty()) return {};
   const bool is_of_empty_hand =
       main_.has_any({"hand", "hands", "gripper"}) && main_.has_any({"empty", "free"});
+  // "Have you had the salt in your hand today?" is of all that time: what was held was picked up.
+  const bool is_past = !parts_.times.at && !parts_.beside && !parts_.times.is_now &&
+                       (main_.has("did") || main_.has_words({"have", "you"}));
+  const SkillVerb* taking = verb_of_skill("pick");
+  if (asks_about_holding() && is_past && !thing().empty() && taking != nullptr &&
+      !lexicon_.skills_of(*taking).empty()) {
+    Program program = executions();
+    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    return program.with(FilterKey::kOutcome, "success").then(StepKind::kExists);
+  }
   if (asks_about_holding() || is_of_empty_hand) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
@@ -250,6 +268,11 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
     if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
       add_moment(program);
       return program.then(StepKind::kIsVisible);
+    }
+    // Who asks whether it was seen anywhere is looking for it.
+    if (main_.has_any({"somewhere", "anywhere"}) && !thing().empty()) {
+      add_sight_times(program);
+      return program.then(StepKind::kLastSeen).then(StepKind::kWhere);
     }
     add_places(program);
     program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));

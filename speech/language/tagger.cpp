@@ -224,6 +224,7 @@ class WordTagger final : public Tagger {
                                             "amiss", "as", "according"}))
       return false;
     if (word.text == "going" && after == "to") return false;
+    if (word.text == "left" && after == "to") return false;
     if (word.lemma == "get" && after.empty()) return false;
     if (word.lemma == "look" && after == "like") return false;
     if (word.lemma == "get" && is_in(after, {"done", "stopped", "interrupted", "asked", "told",
