@@ -144,7 +144,8 @@ GrammarRules::Found GrammarRules::moment_of_clause() const {
   const SubordinateClause& clause = *parts_.beside;
   const ClauseParts& told = clause.parts;
   Program program{ProgramSource::kExecutions, {}, {}};
-  const bool is_said = told.has_any({"say", "ask", "tell", "order", "request", "command"}) &&
+  const bool is_said = told.has_any({"say", "ask", "tell", "order", "request", "command", "speak",
+                                     "talk", "shout"}) &&
                        (!told.persons.empty() || !told.has_verb() || told.has("i"));
   if (is_said) {
     program.source = ProgramSource::kWords;
@@ -156,6 +157,10 @@ GrammarRules::Found GrammarRules::moment_of_clause() const {
     return program.then(StepKind::kLast).then(StepKind::kWhen);
   }
   program = executions_of(told);
+  if (told.has_any({"touch", "handle"}) && program.find(FilterKey::kSkill) == nullptr)
+    if (const SkillVerb* pick = verb_called("pick"))
+      if (const std::string picking = lexicon_.skills_of(*pick); !picking.empty())
+        program.with(FilterKey::kSkill, picking);
   if (told.things.empty() && told.has_any({"it", "them", "that"}) && !main_.things.empty())
     program.with(FilterKey::kThing, any_of_names(main_.things));
   if (told.has_any({"fail", "unable", "not", "wrong"}))
@@ -306,6 +311,16 @@ GrammarRules::Found GrammarRules::program() {
   // What lies between two events, and what was not done, are other questions than these words
   // without "between" and "not".
   if (main_.has("between")) return {};
+  const bool is_cut_off = asks_about_failure() || asks_about_stop();
+  // No program compares which hands or things were the same, or tells the steps of a plan.
+  if (is_superlative() && main_.has_any({"distance", "far"})) return {};
+  if (main_.has("same") || main_.has_any({"closer", "nearer"})) return {};
+  if (main_.has("plan") && main_.has_any({"step", "left"}) && !is_cut_off) return {};
+  // A clause of time that nothing understood would be passed over.
+  if (parts_.asks != Asks::kWhen && parts_.asks != Asks::kNothing && !is_cut_off &&
+      !main_.has("would"))
+    for (size_t at = 1; at + 1 < main_.words.size(); ++at)
+      if (main_.words[at].text == "when" && !main_.words[at].ends_clause) return {};
   // There are two hands.
   for (size_t at = 1; at < main_.words.size(); ++at)
     if (main_.words[at].lemma == "hand" && number_named(main_.words[at - 1].text) > 2) return {};

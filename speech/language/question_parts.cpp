@@ -68,7 +68,9 @@ bool has_event(const TaggedWords& words, size_t begin, size_t end) {
     if (word.tag == WordTag::kGrammar &&
         (word.lemma == "fail" || word.lemma == "stop" || word.lemma == "interrupt" ||
          word.lemma == "say" || word.lemma == "ask" || word.lemma == "tell" ||
-         word.lemma == "bring" || word.lemma == "move" || word.lemma == "carry"))
+         word.lemma == "bring" || word.lemma == "move" || word.lemma == "carry" ||
+         word.lemma == "touch" || word.lemma == "handle" || word.lemma == "speak" ||
+         word.lemma == "talk" || word.lemma == "shout"))
       return true;
   }
   return false;

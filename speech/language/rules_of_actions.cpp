@@ -10,6 +10,7 @@ GrammarRules::Found GrammarRules::amounts() {
     Program program = executions();
     // What lies between two events is no execution.
     if (program.filters.empty() && !has_order()) return {};
+    if (main_.has("from") && main_.has("to") && main_.places.empty()) return {};
     // How long a thing was held, or the robot was somewhere, is no execution.
     const bool is_of_state =
         skills_of(main_).empty() &&
@@ -29,7 +30,10 @@ GrammarRules::Found GrammarRules::amounts() {
     return executions().then(StepKind::kHowLong);
   if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
     // How far away something is was never measured.
-    if (!is_of_robot() && !main_.has_verb()) return {};
+    if (!is_of_robot() && (!main_.has_verb() || !thing().empty())) return {};
+    if (main_.has_any({"is", "away", "from"}) && !main_.has_verb()) return {};
+    // No program tells which of several drives was the farthest.
+    if (is_superlative() || parts_.asks == Asks::kWhich) return {};
     Program program = executions();
     if (program.find(FilterKey::kSkill) == nullptr)
       if (const SkillVerb* verb = verb_of_skill("drive"))
@@ -86,7 +90,10 @@ GrammarRules::Found GrammarRules::amounts() {
     Program program{ProgramSource::kThings, {}, {}};
     add_places(program);
     if (asks_about_holding()) program.with(FilterKey::kIsHeld, "yes");
-    if (asks_about_sight() && main_.has_words({"do", "you"}) && !main_.has("did"))
+    if (asks_about_sight() && (parts_.times.at || parts_.beside)) {
+      add_moment(program);
+      program.with(FilterKey::kVisible, "yes");
+    } else if (asks_about_sight() && main_.has_words({"do", "you"}) && !main_.has("did"))
       program.with(FilterKey::kVisible, "yes");
     else if (asks_about_sight() && !main_.has("visible"))
       program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
@@ -118,10 +125,15 @@ GrammarRules::Found GrammarRules::amounts() {
 
 GrammarRules::Found GrammarRules::which() {
   // "Did you pick up the salt or the tea first?"
-  if (main_.things.size() > 1 && main_.has("or") && main_.has_verb() &&
+  const bool is_handled = main_.has_any({"handle", "touch", "manipulate"});
+  if (main_.things.size() > 1 && main_.has("or") && (main_.has_verb() || is_handled) &&
       !main_.has_any({"longer", "slower", "faster", "quicker", "than"}) &&
       (parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || has_order())) {
     Program program = executions();
+    if (const SkillVerb* pick = verb_of_skill("pick"); is_handled && pick != nullptr)
+      if (const std::string picking = lexicon_.skills_of(*pick);
+          !picking.empty() && program.find(FilterKey::kSkill) == nullptr)
+        program.with(FilterKey::kSkill, picking);
     add_order(program, {});
     return program.then(StepKind::kWhich, "thing");
   }
@@ -129,7 +141,21 @@ GrammarRules::Found GrammarRules::which() {
                          main_.hands.size() > 1 && main_.has("or");
   const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || is_either;
   if (asks_for_hand()) {
-    if (asks_about_holding() && !main_.has_verb()) {
+    // "Which hand held the salt?": the one that took it.
+    const SkillVerb* taking = verb_of_skill("pick");
+    if (main_.has_any({"held", "carried", "had"}) && !main_.has_verb() && !thing().empty() &&
+        !parts_.times.at && !parts_.beside && taking != nullptr &&
+        !lexicon_.skills_of(*taking).empty()) {
+      Program program{ProgramSource::kExecutions, {}, {}};
+      program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+      add_thing(program);
+      add_times(program);
+      add_order(program, StepKind::kLast);
+      return program.then(StepKind::kWhich, "hand");
+    }
+    const bool is_held = asks_about_holding() ||
+                         (main_.has("in") && main_.has_any({"is", "was"}) && !thing().empty());
+    if (is_held && !main_.has_verb()) {
       Program program{ProgramSource::kThings, {}, {}};
       add_thing(program);
       add_moment(program);

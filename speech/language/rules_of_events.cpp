@@ -18,6 +18,7 @@ GrammarRules::Found GrammarRules::instead() {
   const bool is_kept = parts_.asks == Asks::kWhat && main_.has_words({"keep", "you", "from"});
   const bool is_cut_off =
       is_context_stop || is_context_failure || asks_about_stop() ||
+      (asks_about_failure() && main_.has("after")) ||
       (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt", "halt", "fail"}));
   const bool is_would =
       main_.has("would") && (main_.has("have") || (main_.has("if") && is_cut_off));

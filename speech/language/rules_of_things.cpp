@@ -13,11 +13,27 @@ GrammarRules::Found GrammarRules::where() {
       (main_.has_words({"look", "for"}) || main_.has_words({"looking", "for"}) ||
        (main_.has("not") && main_.has_any({"find", "see"})) || main_.has_any({"search", "lose"}));
   if (parts_.asks != Asks::kWhere && !is_noun && !is_lost) return {};
+  // Where it should have been, and where somebody was oftener, is not where it is.
+  if (main_.has_any({"supposed", "meant", "intend", "often"}) && !asks_about_stop()) return {};
   const SkillVerb* taking = verb_of_skill("pick");
   // "Where had it been standing before?": from where it was taken.
+  // Where it was before it was moved is from where it was taken then.
+  if (!thing().empty() && parts_.beside && parts_.beside->link == ClauseLink::kBefore &&
+      !main_.has_verb() && !asks_about_sight() &&
+      main_.has_any({"be", "been", "stand", "lie", "sit"}) &&
+      parts_.beside->parts.has_any(
+          {"move", "take", "grab", "pick", "grasp", "lift", "get", "touch", "handle"}) &&
+      parts_.times.empty() && taking != nullptr && !lexicon_.skills_of(*taking).empty()) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    add_thing(program);
+    program.then(parts_.beside->parts.has("first") ? StepKind::kFirst : StepKind::kLast);
+    return program.then(StepKind::kWhere);
+  }
   if (!thing().empty() && main_.has("before") && main_.has("had") &&
-      main_.has_any({"be", "been"}) && !main_.has_verb() && parts_.times.empty() &&
-      !parts_.beside && taking != nullptr && !lexicon_.skills_of(*taking).empty()) {
+      main_.has_any({"be", "been", "stand", "lie", "sit"}) && !main_.has_verb() &&
+      parts_.times.empty() && !parts_.beside && taking != nullptr &&
+      !lexicon_.skills_of(*taking).empty()) {
     Program program{ProgramSource::kExecutions, {}, {}};
     program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
     add_thing(program);
@@ -86,6 +102,9 @@ GrammarRules::Found GrammarRules::where() {
   if (!thing().empty()) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
+    // Where it was at first, and not where it is.
+    if (main_.has_any({"first", "initial"}) && !parts_.times.at && !parts_.beside)
+      return program.then(StepKind::kFirstSeen).then(StepKind::kWhere);
     add_moment(program);
     return program.then(StepKind::kWhere);
   }
@@ -100,7 +119,8 @@ GrammarRules::Found GrammarRules::holding() {
   if (parts_.asks == Asks::kWhether || !asks_about_holding()) return on_place();
   if (parts_.asks != Asks::kWhat && parts_.asks != Asks::kWhich) return {};
   // What was carried to a place was placed there.
-  const bool is_past_carry = main_.has("did") && parts_.times.empty() && !parts_.beside;
+  const bool is_past_carry =
+      main_.has_any({"did", "carried"}) && parts_.times.empty() && !parts_.beside;
   if (main_.has("carry") && (!main_.places.empty() || is_past_carry))
     return executions().with(FilterKey::kOutcome, "success").then(StepKind::kWhich, "thing");
   Program program{ProgramSource::kThings, {}, {}};

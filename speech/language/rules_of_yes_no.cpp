@@ -141,7 +141,8 @@ GrammarRules::Found GrammarRules::whether() {
   if ((first == "are" || first == "is") && is_of_robot() && is_of_present())
     return program.with(FilterKey::kAt, "now").then(StepKind::kExists);
   // "Was the second grasp successful?"
-  if (has_order() && (asks_about_success() || main_.has("work"))) {
+  if (has_order() && (asks_about_success() || main_.has("work") ||
+                      main_.has_words({"first", "attempt"}) || main_.has_words({"first", "try"}))) {
     add_order(program, {});
     return program.then(StepKind::kSucceeded);
   }

@@ -225,6 +225,8 @@ class WordTagger final : public Tagger {
       return false;
     if (word.text == "going" && after == "to") return false;
     if (word.text == "left" && after == "to") return false;
+    if (word.text == "lay" && is_in(before, {"what", "that", "things", "objects", "items"}))
+      return false;
     if (word.lemma == "get" && after.empty()) return false;
     if (word.lemma == "look" && after == "like") return false;
     if (word.lemma == "get" && is_in(after, {"done", "stopped", "interrupted", "asked", "told",
