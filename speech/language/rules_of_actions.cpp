@@ -101,6 +101,9 @@ GrammarRules::Found GrammarRules::amounts() {
       add_moment(program);
     return program.then(StepKind::kCount);
   }
+  // How many hands there are is not counted.
+  if (main_.has_any({"hand", "arm", "gripper"}) && !main_.has_verb() && skills_of(main_).empty())
+    return {};
   Program program = executions();
   // What is tried with a thing, without a word for it, is to get it.
   if (asks_about_attempts() && program.find(FilterKey::kSkill) == nullptr && !thing().empty())
@@ -252,6 +255,7 @@ GrammarRules::Found GrammarRules::what() {
       !asks_about_stop() && !asks_about_failure())
     return executions().then(StepKind::kLast).then(StepKind::kEvents);
   if (!is_what) return {};
+  if (main_.has("hand") && main_.has("have") && !main_.has_verb()) return {};
   // "What does the salt cost?"
   if (main_.has("does") && !is_of_robot()) return {};
   const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && !main_.has_verb() &&
