@@ -25,6 +25,13 @@ namespace engram::speech {
 /// Returns whether there was one that makes a question of what follows.
 bool take_politeness(std::vector<QuestionWord>& words);
 
+/// The words of a phrase, which are split by spaces.
+[[nodiscard]] std::vector<std::string_view> parts_of_phrase(std::string_view phrase);
+
+/// Whether these words begin at `at`.
+[[nodiscard]] bool is_phrase_at(const std::vector<QuestionWord>& words, size_t at,
+                                const std::vector<std::string_view>& phrase);
+
 /// Puts one word where people use several: "how come" is why, "what time" is when, "how many times"
 /// is how often.
 void replace_phrases(std::vector<QuestionWord>& words);
