@@ -258,7 +258,8 @@ bool GrammarRules::asks_for_hand() const {
       if (word.text != "of" && word.text != "your" && word.text != "the") break;
     }
   }
-  return parts_.asks == Asks::kNothing && main_.has("hand");
+  return parts_.asks == Asks::kNothing && main_.has("hand") &&
+         (main_.has_verb() || !main_.things.empty());
 }
 
 bool GrammarRules::asks_about_failure() const {

@@ -256,6 +256,10 @@ GrammarRules::Found GrammarRules::what() {
     return executions().then(StepKind::kLast).then(StepKind::kEvents);
   if (!is_what) return {};
   if (main_.has("hand") && main_.has("have") && !main_.has_verb()) return {};
+  // "What did you do before?": before what?
+  if (main_.has_any({"before", "next"}) && !parts_.beside && parts_.times.empty() &&
+      !main_.has_verb() && thing().empty() && !asks_about_failure() && !asks_about_stop())
+    return {};
   // "What does the salt cost?"
   if (main_.has("does") && !is_of_robot()) return {};
   const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && !main_.has_verb() &&

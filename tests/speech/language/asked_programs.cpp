@@ -456,10 +456,10 @@ const std::vector<std::string>& unanswerable_questions() {
       "How long do you usually drive?", "Which hand did you use less?",
       "How many hands do you have?", "How many drives were longer than two seconds?",
       "Did you go to the table twice?", "Is the salt no longer on the counter?",
-      "What did you do after the tea?", "How far is the table from here?",
-      "What was your farthest drive?", "Did you use the same hand for the salt and the tea?",
-      "Which steps did your plan have?", "Where was the salt supposed to be?",
-      "Where were you more often, here or at the table?",
+      "What did you do after the tea?", "What did you do before?", "Can you give me a hand?",
+      "How far is the table from here?", "What was your farthest drive?",
+      "Did you use the same hand for the salt and the tea?", "Which steps did your plan have?",
+      "Where was the salt supposed to be?", "Where were you more often, here or at the table?",
       "How long was it from the first order to the last grasp?"};
   return kQuestions;
 }
