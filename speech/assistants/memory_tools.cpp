@@ -136,7 +136,14 @@ Result<ToolAnswer> query(Memory& memory, const ToolJson& json) {
 
 // ---- near
 
-/// When an entity was near, as stretches without another snapshot between.
+/// A time range in the text form of queries.
+std::string range_text(std::optional<Time> from, std::optional<Time> until) {
+  if (!from && !until) return "all";
+  if (!from) return fmt::format("until:{}", to_string(*until));
+  return fmt::format("time:{}..{}", to_ns(*from), to_ns(until.value_or(Time::max())));
+}
+
+/// Which entities were near, with the first and the last snapshot in which they were.
 Result<ToolAnswer> near(Memory& memory, const ToolJson& json) {
   ToolArguments arguments(json);
   ENGRAM_ASSIGN_OR_RETURN(const double x, arguments.number("x"));
@@ -147,13 +154,12 @@ Result<ToolAnswer> near(Memory& memory, const ToolJson& json) {
   ENGRAM_ASSIGN_OR_RETURN(const auto from, arguments.time("from"));
   ENGRAM_ASSIGN_OR_RETURN(const auto until, arguments.time("until"));
   ENGRAM_RETURN_IF_ERROR(arguments.finish());
-  std::string when = "all";
-  if (from || until)
-    when = fmt::format("time:{}..time:{}", to_ns(from.value_or(time_from_ns(0))),
-                       to_ns(until.value_or(Time::max())));
+  if (from && until && *until < *from)
+    return invalid_argument("argument 'until': found {}, needs a time at or after 'from', {}",
+                            to_string(*until), to_string(*from));
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query asked,
                           ltm::Query::parse(fmt::format("?ids {} @ {} near {},{},{} {}m", names,
-                                                        when, x, y, z, radius)));
+                                                        range_text(from, until), x, y, z, radius)));
   ToolJson entities = ToolJson::array();
   Enough enough;
   const Status status = memory.query_parts(asked, [&](const ltm::QueryResult& part) -> Status {
@@ -288,19 +294,19 @@ std::vector<MemoryTool> memory_tools(Memory& memory) {
                      {"max_snapshots", count_schema("How many snapshots are told", 50)}},
                     ToolJson::array({"query"})),
           query),
-      tool_of(
-          memory, "near", "What was near a place",
-          "Which entities had a place within a radius of a point of the world, and from when to "
-          "when. Unit: m.",
-          schema_of({{"x", number_schema("In m")},
-                     {"y", number_schema("In m")},
-                     {"z", number_schema("In m")},
-                     {"radius", number_schema("In m; 0.5 if it is missing")},
-                     {"names", names},
-                     {"from", text_schema(kTimeText)},
-                     {"until", text_schema(kTimeText)}},
-                    ToolJson::array({"x", "y", "z"})),
-          near),
+      tool_of(memory, "near", "What was near a place",
+              "Which entities had a place within a radius of a point of the world, in how many "
+              "snapshots, and in which first and last one; between them they may have been "
+              "elsewhere. Unit: m.",
+              schema_of({{"x", number_schema("In m")},
+                         {"y", number_schema("In m")},
+                         {"z", number_schema("In m")},
+                         {"radius", number_schema("In m; 0.5 if it is missing")},
+                         {"names", names},
+                         {"from", text_schema(kTimeText)},
+                         {"until", text_schema(kTimeText)}},
+                        ToolJson::array({"x", "y", "z"})),
+              near),
       tool_of(
           memory, "similar", "When was it like this before?",
           "The moments of an entity that are most like one of its moments, the nearest first; a "

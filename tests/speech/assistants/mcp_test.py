@@ -71,8 +71,11 @@ class Mcp(unittest.TestCase):
         cls.folder.cleanup()
 
     def test_the_official_client_uses_every_tool(self) -> None:
-        done = subprocess.run(["node", "client.mjs", ENGRAM, str(self.store)], cwd=WORK, check=True,
-                              capture_output=True, text=True, timeout=300)
+        # A moment at which objects were seen, in the midst of the recording.
+        middle = query(self.store, "Objects/Instances @ nearest:2026-01-01 08:00:02")[0]
+        middle = middle["snapshots"][0]["id"].rsplit("/", 1)[1]
+        done = subprocess.run(["node", "client.mjs", ENGRAM, str(self.store), middle], cwd=WORK,
+                              check=True, capture_output=True, text=True, timeout=300)
         told = json.loads(done.stdout)
         self.assertEqual(told["server"]["name"], "engram")
         self.assertIn("does not know", told["instructions"])
@@ -112,6 +115,13 @@ class Mcp(unittest.TestCase):
         near = told["near"]["structuredContent"]["entities"]
         self.assertEqual({one["id"] for one in near}, objects)
         self.assertTrue(all(one["snapshots"] > 0 and one["first"] <= one["last"] for one in near))
+        times = {what: told[what]["structuredContent"]["entities"]
+                 for what in ("near", "nearFrom", "nearUntil", "nearBetween")}
+        for whole, since, up_to, at in zip(*times.values(), strict=True):
+            self.assertEqual((since["first"], since["last"]), (middle, whole["last"]))
+            self.assertEqual((up_to["first"], up_to["last"]), (whole["first"], middle))
+            self.assertEqual((at["snapshots"], at["first"], at["last"]), (1, middle, middle))
+            self.assertEqual(since["snapshots"] + up_to["snapshots"], whole["snapshots"] + 1)
         self.assertEqual(told["nowhere"]["structuredContent"]["entities"], [])
         self.assertEqual(len(told["similar"]["structuredContent"]["moments"]), 3)
         self.assertIn(said, told["why"]["structuredContent"]["text"])
@@ -120,7 +130,7 @@ class Mcp(unittest.TestCase):
         self.assertTrue(base64.b64decode(picture["data"]).startswith(b"\xff\xd8"))
 
         for what, expected in {"no query": "query", "missing": "'query' is missing",
-                               "unknown": "'limit' is unknown", "kind": "finite number",
+                               "unknown": "'limit' is unknown", "kind": "finite number", "backwards": "at or after 'from'",
                                "nothing there": "not found", "no picture": "has no image",
                                "instructions": "invalid argument"}.items():
             with self.subTest(what):
