@@ -11,7 +11,8 @@ namespace engram::speech {
 namespace {
 
 /// Words that are passed over without being understood; more of them, and something else is meant.
-constexpr size_t kMaxPassedOver = 4;
+/// Where yes or no is asked, one such word may be what was asked: "by accident", "on purpose".
+constexpr size_t kMaxPassedOver = 2;
 constexpr double kConfidence = 0.95;
 constexpr double kPerPassedOver = 0.1;
 constexpr double kPerCorrection = 0.05;
@@ -113,12 +114,16 @@ std::optional<StrangeName> strange_name(const std::vector<TaggedWord>& words, si
     return StrangeName{std::move(name), is_place ? FilterKey::kPlace : FilterKey::kThing};
   }
   if (is_for_place(before)) return StrangeName{whole_name(words, at), FilterKey::kPlace};
-  if (is_before_verb(before) || (at == 1 && is_among_words(before, {"did", "do", "have"})))
+  const bool is_after_order =
+      at > 1 && words[at - 2].text == "you" && is_among_words(before, {"last", "first", "just"});
+  if (is_before_verb(before) || is_after_order ||
+      (at == 1 && is_among_words(before, {"did", "do", "have"})))
     return StrangeName{lemma_of(word.text), FilterKey::kSkill};
   const TaggedWord* leads = before_name(words, first);
   if (leads != nullptr && takes_object(*leads) && leads->text != "looked")
     return StrangeName{whole_name(words, at), FilterKey::kThing};
-  if (is_among_words(before, {"what", "which", "whose"}) || before == "with" || before == "of")
+  if (is_among_words(before, {"what", "which", "whose", "many", "much"}) || before == "with" ||
+      before == "of")
     return StrangeName{whole_name(words, at), FilterKey::kThing};
   return {};
 }
@@ -196,7 +201,8 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
     return refused("I am sorry, I can tell what was and what is, but not what will be.");
   if (is_request(parts))
     return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
-  if (passed_over > kMaxPassedOver) return refused(kCannotRead);
+  const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
+  if (passed_over > max_passed_over) return refused(kCannotRead);
   auto program = GrammarRules(parts, lexicon).program();
   if (!program) return refused(kCannotRead);
   // A rule that made what does not validate has a gap, and a gap is no answer.

@@ -220,7 +220,7 @@ void GrammarRules::add_moment(Program& program) const {
 
 bool GrammarRules::has_order() const {
   return main_.has_any({"first", "last", "latest", "final", "recent", "initial", "earliest",
-                        "previous", "second", "third", "newest", "most recently"});
+                        "previous", "second", "third", "newest"});
 }
 
 void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise) const {
@@ -228,9 +228,9 @@ void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise
     program.then(StepKind::kFirst);
   else if (main_.has_any({"last", "latest", "final", "recent", "previous", "newest"}))
     program.then(StepKind::kLast);
-  else if (main_.has("second") && !main_.has("how_long"))
+  else if (has_text("second"))
     program.then(StepKind::kNth, "2");
-  else if (main_.has("third"))
+  else if (has_text("third"))
     program.then(StepKind::kNth, "3");
   else if (main_.has("longest") || main_.has("slowest"))
     program.then(StepKind::kLongest);
@@ -309,54 +309,14 @@ bool GrammarRules::asks_about_success() const {
 }
 
 GrammarRules::Found GrammarRules::program() {
-  // What lies between two events, and what was not done, are other questions than these words
-  // without "between" and "not".
-  if (main_.has("between")) return {};
-  const bool is_cut_off = asks_about_failure() || asks_about_stop();
-  const bool is_list = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat ||
-                       parts_.asks == Asks::kWhere || parts_.asks == Asks::kWho ||
-                       parts_.asks == Asks::kHowMany;
-  // No program compares which hands or things were the same, or tells the steps of a plan.
-  if (is_superlative() && main_.has_any({"distance", "far"})) return {};
-  if (main_.has("same") || main_.has_any({"closer", "nearer"})) return {};
-  if (main_.has("plan") && main_.has_any({"step", "left"}) && !is_cut_off) return {};
-  // What is usual, which is used less, and what took longer than some time, no program tells; nor
-  // what was done twice.
-  if (main_.has_any({"usually", "normally", "average", "less", "fewer"}) && !main_.has("than") &&
-      !main_.has("would"))
-    return {};
-  const bool is_counted =
-      parts_.asks == Asks::kWhether || parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat;
-  if (is_counted && main_.has("twice") && !is_cut_off) return {};
-  if (main_.has("than") && is_list) return {};
-  // Whether something is not so is asked for by nothing but what is so.
-  if (parts_.asks == Asks::kWhether && main_.has("not") && main_.has_any({"is", "are"}) &&
-      !main_.places.empty() && !is_cut_off)
-    return {};
-  // A clause of time that nothing understood would be passed over.
-  if ((is_list || parts_.asks == Asks::kHowOften) && !is_cut_off && !main_.has("would"))
-    for (size_t at = 0; at + 1 < main_.words.size(); ++at)
-      if ((main_.words[at].text == "after" || main_.words[at].text == "before") &&
-          !main_.words[at].ends_clause)
-        return {};
-  if (parts_.asks != Asks::kWhen && parts_.asks != Asks::kNothing && !is_cut_off &&
-      !main_.has("would"))
-    for (size_t at = 1; at + 1 < main_.words.size(); ++at)
-      if (main_.words[at].text == "when" && !main_.words[at].ends_clause) return {};
-  // There are two hands.
-  for (size_t at = 1; at < main_.words.size(); ++at)
-    if (main_.words[at].lemma == "hand" && number_named(main_.words[at - 1].text) > 2) return {};
-  const bool is_would = main_.has("would") || main_.has("if");
-  // Superlatives of counts, and that nothing else was done, are other questions, too.
-  if (main_.has_any({"most", "least", "only", "except"}) && !is_would && !has_order()) return {};
-  if (is_list && main_.has_any({"not", "never"}) && !is_would && !asks_about_failure()) return {};
+  if (is_beyond_programs()) return {};
   using Rule = Found (GrammarRules::*)();
   constexpr Rule kRules[] = {
       &GrammarRules::instead,  &GrammarRules::who,     &GrammarRules::why,   &GrammarRules::when,
       &GrammarRules::amounts,  &GrammarRules::which,   &GrammarRules::where, &GrammarRules::holding,
       &GrammarRules::compared, &GrammarRules::whether, &GrammarRules::what};
   for (const Rule rule : kRules)
-    if (Found found = (this->*rule)()) return found;
+    if (Found found = (this->*rule)()) return says_all(*found) ? found : Found();
   return {};
 }
 

@@ -3,6 +3,7 @@
 
 // Private to this room: the rules of the grammar, one group per file.
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -20,11 +21,22 @@ class GrammarRules {
   GrammarRules(const QuestionParts& parts, const Lexicon& lexicon)
       : parts_(parts), main_(parts.main), lexicon_(lexicon) {}
 
-  /// The program of the first rule that fits; nothing where none does.
+  /// The program of the first rule that fits; nothing where none does, or where it does not say all
+  /// that the question says.
   std::optional<Program> program();
 
  private:
   using Found = std::optional<Program>;
+
+  // What no program tells, and whether a program says what the question says (soundness.cpp).
+  [[nodiscard]] bool is_beyond_programs() const;
+  [[nodiscard]] bool says_all(const Program& program) const;
+  [[nodiscard]] bool names_are_said(const Program& program) const;
+  [[nodiscard]] bool is_of_who_is_asked(const Program& program) const;
+  [[nodiscard]] bool clause_is_said(const Program& program) const;
+  [[nodiscard]] bool bounds_are_said(const Program& program) const;
+  [[nodiscard]] bool endings_are_said(const Program& program) const;
+  [[nodiscard]] bool verbs_are_said(const Program& program) const;
 
   // Who, why and when, and what would have been (rules_of_events.cpp).
   Found instead();
@@ -70,6 +82,11 @@ class GrammarRules {
   /// Adds first, last or nth, as the words say; else the one that is given.
   void add_order(Program& program, std::optional<StepKind> otherwise) const;
   [[nodiscard]] bool has_order() const;
+  /// Whether a word stands there in this very form: "second", and not "seconds".
+  [[nodiscard]] bool has_text(std::string_view text) const {
+    return std::any_of(main_.words.begin(), main_.words.end(),
+                       [&](const TaggedWord& word) { return word.text == text; });
+  }
   /// Whether the longest or the shortest is asked for.
   [[nodiscard]] bool is_superlative() const {
     return main_.has_any({"longest", "shortest", "slowest", "quickest", "fastest"});

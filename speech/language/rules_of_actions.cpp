@@ -21,8 +21,9 @@ GrammarRules::Found GrammarRules::amounts() {
     const bool is_of_one = has_order() || program.find(FilterKey::kSkill) != nullptr ||
                            program.find(FilterKey::kThing) != nullptr ||
                            program.find(FilterKey::kPlace) != nullptr;
-    if (is_of_one && !main_.has_any({"altogether", "total", "overall"}))
-      add_order(program, StepKind::kLast);
+    const bool is_total = main_.has_any({"altogether", "total", "overall"}) ||
+                          (main_.has("spend") && thing().empty() && main_.places.empty());
+    if (is_of_one && !is_total) add_order(program, StepKind::kLast);
     return program.then(StepKind::kHowLong);
   }
   if (main_.has_any({"total", "altogether", "overall"}) && main_.has("time") && main_.has_verb() &&
@@ -30,7 +31,9 @@ GrammarRules::Found GrammarRules::amounts() {
     return executions().then(StepKind::kHowLong);
   if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
     // How far away something is was never measured.
-    if (!is_of_robot() && (!main_.has_verb() || !thing().empty())) return {};
+    if (!thing().empty() || !main_.hands.empty() || main_.has_any({"hand", "arm", "reach", "miss"}))
+      return {};
+    if (!is_of_robot() && !main_.has_verb()) return {};
     if (main_.has_any({"is", "away", "from"}) && !main_.has_verb()) return {};
     // No program tells which of several drives was the farthest.
     if (is_superlative() || parts_.asks == Asks::kWhich) return {};
@@ -75,7 +78,10 @@ GrammarRules::Found GrammarRules::amounts() {
     add_times(program);
     return program.then(StepKind::kCount);
   }
+  // What the robot is able to do, and how many plans it finished, no program counts.
+  if (main_.has("skill") && main_.has_words({"do", "you"})) return {};
   if (!is_often && main_.has_any({"task", "job", "plan"}) && !main_.has_verb()) {
+    if (main_.has_any({"finish", "complete", "end"}) || asks_about_success()) return {};
     Program program{ProgramSource::kPlans, {}, {}};
     add_times(program);
     return program.then(StepKind::kCount);
@@ -93,7 +99,8 @@ GrammarRules::Found GrammarRules::amounts() {
     if (asks_about_sight() && (parts_.times.at || parts_.beside)) {
       add_moment(program);
       program.with(FilterKey::kVisible, "yes");
-    } else if (asks_about_sight() && main_.has_words({"do", "you"}) && !main_.has("did"))
+    } else if (asks_about_sight() && !main_.has("did") &&
+               (main_.has_words({"do", "you"}) || main_.has("can")))
       program.with(FilterKey::kVisible, "yes");
     else if (asks_about_sight() && !main_.has("visible"))
       program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
@@ -144,6 +151,8 @@ GrammarRules::Found GrammarRules::which() {
                          main_.hands.size() > 1 && main_.has("or");
   const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || is_either;
   if (asks_for_hand()) {
+    // No program tells which hand holds nothing.
+    if (main_.has_any({"free", "empty"})) return {};
     // "Which hand held the salt?": the one that took it.
     const SkillVerb* taking = verb_of_skill("pick");
     if (main_.has_any({"held", "carried", "had"}) && !main_.has_verb() && !thing().empty() &&
@@ -207,9 +216,7 @@ GrammarRules::Found GrammarRules::which() {
   }
   // "What did you pick up?" asks for a thing, "Which place did you drive to?" for a place.
   const std::string skills = skills_of(main_);
-  if (skills.empty() || !thing().empty() || main_.has("do") == false) {
-    if (skills.empty() || !thing().empty()) return {};
-  }
+  if (skills.empty() || !thing().empty()) return {};
   Program program = executions();
   const SkillVerb* drive = verb_of_skill("drive");
   const bool is_place = drive != nullptr && skills == lexicon_.skills_of(*drive);
@@ -223,7 +230,8 @@ GrammarRules::Found GrammarRules::what() {
   // "How did the grasp of the salt end?", "What was the result of picking up the salt?"
   const bool is_of_end = main_.has_any({"outcome", "result", "status"}) ||
                          (parts_.asks == Asks::kHow && main_.has_any({"end", "go", "turn"}));
-  if (is_of_end && (main_.has_verb() || has_order()) && parts_.asks != Asks::kWhether) {
+  if (is_of_end && !main_.has_words({"it", "go"}) && (main_.has_verb() || has_order()) &&
+      parts_.asks != Asks::kWhether) {
     Program program = executions();
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kReason);

@@ -45,7 +45,10 @@ GrammarRules::Found GrammarRules::instead() {
                           (is_what_if && main_.has_words({"go", "fine"})) ||
                           (is_what_if && main_.has_words({"go", "well"})) || main_.has("manage") ||
                           (parts_.beside && parts_.beside->parts.has("fail")) ||
-                          main_.has_any({"fall", "lose", "succeed", "drop", "work", "go wrong"});
+                          main_.has_any({"fall", "lose", "succeed", "drop", "work"});
+  // What would be in a world that is otherwise no plan tells.
+  const bool is_supposed = is_what_if || main_.has("if");
+  if (is_supposed && !is_stop && !is_failure && !main_.has("say") && !parts_.beside) return {};
   program.with(FilterKey::kOutcome, is_stop            ? "stop"
                                     : is_failure       ? "failure"
                                     : main_.has("say") ? "stop"
@@ -87,6 +90,8 @@ GrammarRules::Found GrammarRules::who() {
     if (has_order()) add_order(program, {});
     return program.then(StepKind::kWho);
   }
+  // "Who made you?" was not asked to do what.
+  if (main_.words.back().text == "to" && !main_.has_any({"speak", "talk"})) return {};
   const bool is_of_plans = main_.has_any({"ask", "request", "order", "command", "want", "instruct",
                                           "need", "demand", "tell"}) ||
                            is_for;

@@ -1,7 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include "speech/language/grammar_rules.h"
 
 namespace engram::speech {
+
+namespace {
+
+/// The word that somebody is asked to have said, where it is one that is else passed over: "Did Ada
+/// say please?"; empty: none.
+std::string said_courtesy(const std::vector<TaggedWord>& words) {
+  constexpr std::string_view kCourtesies[] = {"please", "hello", "hi",   "hey", "thanks", "thank",
+                                              "sorry",  "yes",   "okay", "ok",  "no"};
+  for (size_t at = 0; at + 1 < words.size(); ++at)
+    if (words[at].lemma == "say" && std::find(std::begin(kCourtesies), std::end(kCourtesies),
+                                              words[at + 1].text) != std::end(kCourtesies))
+      return words[at + 1].text;
+  return {};
+}
+
+}  // namespace
 
 /// "Did Ben ask before Ada?"
 GrammarRules::Found GrammarRules::compared_persons() {
@@ -37,6 +55,7 @@ GrammarRules::Found GrammarRules::compared_skills() {
     if (times.during) program.with(FilterKey::kDuring, *times.during);
     return program.then(is_time ? StepKind::kHowLong : StepKind::kCount);
   };
+  if (main_.verbs[0]->verb == main_.verbs[1]->verb) return {};
   Program first = of(*main_.verbs[0]);
   first.steps.push_back({is_less ? StepKind::kLessThan : StepKind::kMoreThan,
                          Argument{{}, std::make_shared<const Program>(of(*main_.verbs[1]))}});
@@ -181,6 +200,7 @@ GrammarRules::Found GrammarRules::whether_failed() {
     program.with(FilterKey::kOutcome, "problem");
     return program.then(StepKind::kNone);
   }
+  const bool is_none = main_.has_any({"nothing", "none", "nobody", "no"});
   if (asks_about_stop()) {
     // Whether somebody did is told by who said so.
     if (!main_.persons.empty()) {
@@ -191,13 +211,13 @@ GrammarRules::Found GrammarRules::whether_failed() {
     }
     Program program = executions();
     program.with(FilterKey::kOutcome, "stop");
-    return program.then(StepKind::kExists);
+    return program.then(is_none ? StepKind::kNone : StepKind::kExists);
   }
   if (!asks_about_failure()) return {};
   Program program = executions();
   // "Did you not manage" asks for a failure, "did you not fail" too.
   program.with(FilterKey::kOutcome, "failure");
-  return program.then(StepKind::kExists);
+  return program.then(is_none ? StepKind::kNone : StepKind::kExists);
 }
 
 /// Whether somebody asked for something.
@@ -213,7 +233,11 @@ GrammarRules::Found GrammarRules::whether_asked() {
   if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, main_.persons.front());
   if (is_said) {
     if (!thing().empty()) program.with(FilterKey::kText, thing());
+    if (const std::string courtesy = said_courtesy(main_.words); !courtesy.empty())
+      program.with(FilterKey::kText, courtesy);
   } else {
+    // What else than a thing or a place was asked for is in no plan.
+    if (main_.has_verb() && thing().empty() && main_.places.empty()) return {};
     add_thing(program);
     add_places(program);
   }
@@ -265,7 +289,9 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
     if (thing().empty() && !is_anything) return {};
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
-    const bool is_present = is_of_present() || main_.has_any({"visible", "sight", "can"});
+    const bool was_asked = main_.has_any({"was", "were", "been", "did", "ever"});
+    const bool is_present =
+        is_of_present() || (!was_asked && main_.has_any({"visible", "sight", "can"}));
     if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
       add_moment(program);
       return program.then(StepKind::kIsVisible);
@@ -283,6 +309,8 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
   if (!is_of_thing || main_.places.empty() || main_.has("you") ||
       !main_.has_any({"be", "stand", "lie", "there", "sit"}))
     return {};
+  // Whether it ever was somewhere is no question about now.
+  if (main_.has("ever")) return {};
   Program program{ProgramSource::kThings, {}, {}};
   add_thing(program);
   add_places(program);

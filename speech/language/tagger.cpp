@@ -104,7 +104,8 @@ class WordTagger final : public Tagger {
     const std::string& before = words[at - 1].text;
     const std::string lemma = lemma_of(before);
     return is_determiner(before) || is_preposition(before) || verb_with_lemma(lemma) != nullptr ||
-           is_in(lemma, {"see", "hold", "carry", "have", "touch", "bring", "want", "and", "or"});
+           is_in(lemma, {"see", "hold", "carry", "have", "touch", "bring", "want", "and", "or",
+                         "many", "much", "what", "which", "whose"});
   }
 
   /// The known word that is meant; empty: none is.

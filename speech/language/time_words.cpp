@@ -63,7 +63,8 @@ class TimeWordReader {
     if (at > 0 && ends) words_[at - 1].ends_clause = true;
   }
 
-  /// Takes what begins at a word; returns of how many words it was, 0 for nothing.
+  /// Takes what begins at a word; returns of how many words it was, 0 for nothing. A second time of
+  /// one kind is left: no program has two of them.
   size_t take(size_t at) {
     for (const auto taker :
          {&TimeWordReader::take_present, &TimeWordReader::take_range,
@@ -103,7 +104,7 @@ class TimeWordReader {
     const size_t middle = at + 1 + from->count;
     if (!is(middle, {"and", "to", "until", "till"})) return 0;
     const auto to = moment(middle + 1, true);
-    if (!to) return 0;
+    if (!to || times_.during) return 0;
     times_.during = from->text + ".." + to->text;
     return 2 + from->count + to->count;
   }
@@ -117,7 +118,7 @@ class TimeWordReader {
     // "Last week" is the one before this; "in the last week" are seven days.
     if (begin == at && is(begin + 1, {"week", "day"})) return 0;
     const auto length = duration(begin + 1, true);
-    if (!length) return 0;
+    if (!length || times_.during) return 0;
     times_.during = "last:" + length->text;
     return begin + 1 + length->count - at;
   }
@@ -128,6 +129,7 @@ class TimeWordReader {
     const auto length = duration(begin, false);
     if (!length || !is(begin + length->count, {"ago", "earlier", "back"})) return 0;
     const std::string& text = length->text;
+    if (text.back() == 'd' ? times_.during : times_.at) return 0;
     if (text.back() == 'd')
       times_.during = text.substr(0, text.size() - 1) + "_days_ago";
     else
@@ -173,7 +175,7 @@ class TimeWordReader {
     const bool is_at = is(at, {"at", "around", "about", "near"});
     const size_t begin = is_at ? at + 1 : at;
     const auto time = moment(begin, is_at);
-    if (!time) return 0;
+    if (!time || times_.at) return 0;
     times_.at = time->text;
     return begin + time->count - at;
   }

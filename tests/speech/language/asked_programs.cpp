@@ -460,7 +460,14 @@ const std::vector<std::string>& unanswerable_questions() {
       "How far is the table from here?", "What was your farthest drive?",
       "Did you use the same hand for the salt and the tea?", "Which steps did your plan have?",
       "Where was the salt supposed to be?", "Where were you more often, here or at the table?",
-      "How long was it from the first order to the last grasp?"};
+      "How long was it from the first order to the last grasp?",
+      // What a program would leave out of the question: a bound, a denial, a manner, somebody else.
+      "Did you pick up the salt by accident?", "When did you not pick up the salt?",
+      "What did you do besides driving?", "Did you pick up the salt more than once?",
+      "Did you pick up both the salt and the tea?", "What did you pick up in March 2019?",
+      "Did Ada pick up the salt?", "Did she pick up the salt?", "Did you stop Ada?",
+      "Did you almost drop the salt?", "Which of your hands is free?",
+      "How many skills do you have?", "Who made you?", "How many plates did you see?"};
   return kQuestions;
 }
 
