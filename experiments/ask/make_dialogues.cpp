@@ -41,7 +41,8 @@ int run(int argc, char** argv) {
   CLI::App app("Makes questions about recordings of kitchens, with their true answers");
   app.footer(kFooter);
   app.add_option("stores", arguments.stores, "Stores of engram simulate kitchen")->required();
-  app.add_option("--count", options.count, "Questions about each store")->capture_default_str();
+  app.add_option("--count", options.count,
+                 "Questions about each store at most; else 50, or each phrasing of --phrasings");
   app.add_option("--seed", options.seed, "Chooses the questions; each store has the next one")
       ->capture_default_str();
   app.add_option("--split", options.split,

@@ -1,25 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/dialogues/dialogue.h"
 
-#include <string_view>
+#include "speech/dialogues/lasting_hash.h"
 
 namespace engram::speech {
 
 namespace {
 
-constexpr uint64_t kOneIn = 5;
+using dialogues::lasting_hash;
 
-/// FNV-1a, mixed once more so that short names that differ in one letter are spread.
-uint64_t hash_of(std::string_view text) {
-  uint64_t hash = 14695981039346656037ULL;
-  for (const char letter : text) {
-    hash ^= static_cast<unsigned char>(letter);
-    hash *= 1099511628211ULL;
-  }
-  hash ^= hash >> 29;
-  hash *= 0xBF58476D1CE4E5B9ULL;
-  return hash ^ (hash >> 32);
-}
+constexpr uint64_t kOneIn = 5;
 
 }  // namespace
 
@@ -44,18 +34,18 @@ std::string to_json_line(const Dialogue& dialogue) {
 }
 
 bool is_seed_held_out(int64_t seed) {
-  return hash_of("seed " + std::to_string(seed)) % kOneIn == 0;
+  return lasting_hash("seed " + std::to_string(seed)) % kOneIn == 0;
 }
 
 bool is_thing_held_out(const std::string& spoken_name) {
-  return hash_of("thing " + spoken_name) % kOneIn == 0;
+  return lasting_hash("thing " + spoken_name) % kOneIn == 0;
 }
 
 bool is_phrasing_held_out(const std::string& phrasing) {
   // The template, and then the words for the skill: both may be new to whoever is tried.
   const size_t verb = phrasing.find('/', phrasing.find('#'));
-  if (hash_of(phrasing.substr(0, verb)) % kOneIn == 0) return true;
-  return verb != std::string::npos && hash_of(phrasing.substr(verb)) % kOneIn == 0;
+  if (lasting_hash(phrasing.substr(0, verb)) % kOneIn == 0) return true;
+  return verb != std::string::npos && lasting_hash(phrasing.substr(verb)) % kOneIn == 0;
 }
 
 }  // namespace engram::speech

@@ -1,67 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions in the words of others, who wrote what they ask for beside them.
+#include "speech/dialogues/foreign_phrasings.h"
+
 #include <algorithm>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
-#include <random>
 #include <set>
 
-#include "ltm/core/printable.h"
-#include "speech/dialogues/chosen_dialogues.h"
-
-namespace engram::speech {
-
-namespace dialogues {
+namespace engram::speech::dialogues {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-struct ForeignPhrasing {
-  std::string question;
-  std::string family;
-  std::map<std::string, std::string> asks;
-
-  [[nodiscard]] std::string ask(const char* name) const {
-    const auto found = asks.find(name);
-    return found == asks.end() ? std::string() : found->second;
-  }
-};
-
-Result<ForeignPhrasing> read_phrasing(const std::string& line, size_t number) {
-  const Json json = Json::parse(line, nullptr, false);
-  const auto wrong = [&](const char* needed) {
-    return invalid_argument("phrasings: line {} needs {}, found '{}'", number, needed,
-                            printable(line.substr(0, 80)));
-  };
-  if (!json.is_object()) return wrong("an object");
-  const auto question = json.find("question");
-  const auto asks = json.find("asks");
-  if (question == json.end() || !question->is_string()) return wrong("a text 'question'");
-  if (asks == json.end() || !asks->is_object()) return wrong("an object 'asks'");
-  ForeignPhrasing phrasing{.question = question->get<std::string>(), .family = {}, .asks = {}};
-  if (const auto family = json.find("family"); family != json.end() && family->is_string())
-    phrasing.family = family->get<std::string>();
-  for (const auto& [name, value] : asks->items())
-    phrasing.asks[name] = value.is_string() ? value.get<std::string>() : value.dump();
-  if (phrasing.ask("what").empty()) return wrong("'what' within 'asks'");
-  return phrasing;
-}
-
-Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return unavailable("phrasings '{}': cannot be read", path.string());
-  std::vector<ForeignPhrasing> all;
-  size_t number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++number;
-    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-    ENGRAM_ASSIGN_OR_RETURN(ForeignPhrasing one, read_phrasing(line, number));
-    all.push_back(std::move(one));
-  }
-  return all;
-}
 
 /// What others call what is asked here. A form that is missing here has its own name there, too.
 std::string own_what(const ForeignPhrasing& phrasing) {
@@ -129,13 +74,8 @@ bool says_which(const std::string& question, const std::string& which) {
 }
 
 bool fits_choice(const ForeignPhrasing& phrasing, const Asked& asked) {
-  // These ask for another thing with "first" and "last" than without.
-  static const std::set<std::string> kChoosing{"when_did_you",   "why_event",   "how_long",
-                                               "how_far_driven", "which_thing", "what_was_asked",
-                                               "to_where"};
   const std::string which = phrasing.ask("which");
-  if (!kChoosing.contains(asked.what))
-    return which.empty() || asked.which.empty() || which == asked.which;
+  if (!is_choosing(asked.what)) return which.empty() || asked.which.empty() || which == asked.which;
   if (asked.which.empty()) {
     // The whole way, and not that of one drive.
     const bool is_sum = asked.what == "how_far_driven" && asked.place.empty();
@@ -144,7 +84,7 @@ bool fits_choice(const ForeignPhrasing& phrasing, const Asked& asked) {
   return which == asked.which && says_which(phrasing.question, which);
 }
 
-bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
+bool fits_asks(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
   const Asked& asked = known.asked;
   if (!is_plain(phrasing, asked)) return false;
   if (phrasing.ask("thing2").empty() != !known.slots.contains("thing2")) return false;
@@ -159,88 +99,25 @@ bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
   return outcome == asked.outcome || (outcome == "success" && asked.outcome.empty());
 }
 
-/// The text with its slots filled; nothing if the question has not got one of them.
-std::optional<std::string> filled_foreign(const ForeignPhrasing& phrasing,
-                                          const KnownAnswer& known) {
-  std::string result;
-  std::string_view text = phrasing.question;
-  while (!text.empty()) {
-    const size_t open = text.find('{');
-    result += text.substr(0, open);
-    if (open == std::string_view::npos) break;
-    const size_t close = text.find('}', open);
-    if (close == std::string_view::npos) return {};
-    const std::string name(text.substr(open + 1, close - open - 1));
-    text.remove_prefix(close + 1);
-    const auto slot = known.slots.find(name);
-    const std::string fill = name == "thing"             ? known.asked.thing
-                             : name == "place"           ? known.asked.place
-                             : slot != known.slots.end() ? slot->second
-                                                         : std::string();
-    if (fill.empty()) return {};
-    result += fill;
-  }
-  // A day that is asked about must be told, unless the words tell it: "today".
-  const std::string when = phrasing.ask("when");
-  if (when == "today" && known.slots.contains("day") && known.slots.at("day") != "today") return {};
-  return result;
-}
-
-/// What fills the words of questions that cannot be answered: any thing, place and time.
-std::deque<KnownAnswer> fillings_of_unknown(const LivedPast& past,
-                                            const std::deque<KnownAnswer>& known) {
-  std::deque<KnownAnswer> fillings;
-  for (const KnownAnswer& one : known) {
-    if (!one.slots.contains("time") && !one.slots.contains("ago")) continue;
-    for (const auto& [thing, sights] : past.sights) {
-      KnownAnswer filling{.family = "unanswerable",
-                          .asked = {.what = "unanswerable:foreign", .thing = thing},
-                          .slots = one.slots,
-                          .now = past.last_moment()};
-      filling.asked.place = past.places.empty() ? "" : past.places.begin()->first;
-      filling.slots["thing2"] = past.sights.begin()->first;
-      fillings.push_back(std::move(filling));
-    }
-  }
-  return fillings;
-}
-
 }  // namespace
 
-std::vector<Dialogue> foreign_dialogues(const LivedPast& past, const DialogueOptions& options,
-                                        const std::vector<ForeignPhrasing>& phrasings) {
-  const std::deque<KnownAnswer> known = all_known(past, options);
-  const std::deque<KnownAnswer> unknown = fillings_of_unknown(past, known);
-  std::mt19937_64 random(options.seed);
-  std::vector<Dialogue> made;
-  for (size_t i = 0; i < phrasings.size(); ++i) {
-    const ForeignPhrasing& phrasing = phrasings[i];
-    const bool is_unknown = phrasing.ask("what") == "unanswerable";
-    std::vector<std::pair<const KnownAnswer*, std::string>> fitting;
-    for (const KnownAnswer& one : is_unknown ? unknown : known)
-      if (is_unknown || fits(phrasing, one))
-        if (auto text = filled_foreign(phrasing, one)) fitting.emplace_back(&one, *std::move(text));
-    if (fitting.empty()) continue;
-    const auto& [answer, text] = fitting[random() % fitting.size()];
-    made.push_back(dialogue_of(past, *answer, {text, fmt::format("foreign#{}", i)}));
-    made.back().family = is_unknown ? "unanswerable" : answer->family;
-    made.back().held_out = {"phrasing"};
-  }
-  // A random part of them, where fewer are wanted.
-  for (size_t i = made.size(); i > 1; --i) std::swap(made[i - 1], made[random() % i]);
-  if (made.size() > options.count) made.resize(options.count);
-  for (size_t i = 0; i < made.size(); ++i) made[i].id = fmt::format("{}-f{}", past.seed, i);
-  return made;
+bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
+  if (phrasing.form.empty()) return phrasing.is_unanswerable() || fits_asks(phrasing, known);
+  // Some are asked of no skill: a thing that nobody knows was never picked up.
+  const std::string& skill = known.asked.skill;
+  return form_of(known.asked) == phrasing.form &&
+         (phrasing.skill.empty() || skill.empty() || skill == phrasing.skill);
 }
 
-}  // namespace dialogues
-
-Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const DialogueOptions& options,
-                                                  const std::filesystem::path& phrasings) {
-  ENGRAM_RETURN_IF_ERROR(options.validate());
-  ENGRAM_ASSIGN_OR_RETURN(const auto read, dialogues::read_phrasings(phrasings));
-  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::LivedPast::read(memory));
-  return dialogues::foreign_dialogues(past, options, read);
+std::vector<WordedQuestion> worded_with(const ForeignPhrasing& phrasing, const KnownAnswer& known) {
+  if (!phrasing.form.empty()) return worded_by(phrasing.question, phrasing.phrasing, known);
+  auto filled = filled_slots(phrasing.question, known, {});
+  if (!filled) return {};
+  // A day that is asked about must be told, unless the words tell it: "today".
+  const auto day = known.slots.find("day");
+  if (phrasing.ask("when") == "today" && day != known.slots.end() && day->second != "today")
+    return {};
+  return {{std::move(filled->text), phrasing.phrasing}};
 }
 
-}  // namespace engram::speech
+}  // namespace engram::speech::dialogues

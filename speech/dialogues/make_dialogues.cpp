@@ -17,16 +17,6 @@ namespace dialogues {
 
 namespace {
 
-/// The questions of one form, those whose answer is yes apart from those whose answer is no, so
-/// that a guess is right in half of them.
-using Alike = std::map<std::string, std::vector<const KnownAnswer*>>;
-
-std::string sort_of(const KnownAnswer& known) {
-  const auto* answer = std::get_if<answers::YesNo>(&known.value);
-  if (answer == nullptr) return {};
-  return answer->value ? "yes" : "no";
-}
-
 /// Chooses one of all questions after the other, families in turn.
 class Chooser {
  public:
@@ -55,12 +45,18 @@ class Chooser {
   std::map<std::string, std::map<std::string, Alike>> by_family_;
 };
 
+}  // namespace
+
+std::string sort_of(const KnownAnswer& known) {
+  const auto* answer = std::get_if<answers::YesNo>(&known.value);
+  if (answer == nullptr) return {};
+  return answer->value ? "yes" : "no";
+}
+
 bool is_in(DialogueSplit split, const Dialogue& dialogue) {
   return split == DialogueSplit::kAll ||
          (split == DialogueSplit::kTrain) == dialogue.held_out.empty();
 }
-
-}  // namespace
 
 Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known, const WordedQuestion& words) {
   Dialogue dialogue{.family = known.family,
@@ -72,11 +68,17 @@ Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known, const Word
                     .value = known.value,
                     .also = known.also,
                     .evidence = known.evidence};
-  const auto other = known.slots.find("thing2");
   if (is_phrasing_held_out(words.phrasing)) dialogue.held_out.emplace_back("phrasing");
   if (is_seed_held_out(past.seed)) dialogue.held_out.emplace_back("seed");
-  if ((!known.asked.thing.empty() && is_thing_held_out(known.asked.thing)) ||
-      (other != known.slots.end() && is_thing_held_out(other->second)))
+  const auto is_held_out = [](const std::string& thing) {
+    return !thing.empty() && is_thing_held_out(thing);
+  };
+  const auto in_slot = [&](const char* name) {
+    const auto slot = known.slots.find(name);
+    return slot == known.slots.end() ? std::string() : slot->second;
+  };
+  if (is_held_out(known.asked.thing) || is_held_out(in_slot("thing2")) ||
+      is_held_out(in_slot("known")))
     dialogue.held_out.emplace_back("thing");
   return dialogue;
 }
@@ -95,11 +97,13 @@ std::deque<KnownAnswer> all_known(const LivedPast& past, const DialogueOptions& 
 
 std::vector<Dialogue> chosen_dialogues(const LivedPast& past, const DialogueOptions& options) {
   constexpr size_t kTriesForEach = 60;
+  constexpr size_t kCount = 50;
+  const size_t count = options.count.value_or(kCount);
   const std::deque<KnownAnswer> known = all_known(past, options);
   Chooser chooser(known, options.seed);
   std::vector<Dialogue> made;
   std::set<std::pair<std::string, Time>> asked;
-  for (size_t i = 0; i < kTriesForEach * options.count && made.size() < options.count; ++i) {
+  for (size_t i = 0; i < kTriesForEach * count && made.size() < count; ++i) {
     const KnownAnswer* one = chooser.choose(kFamilies[made.size() % std::size(kFamilies)]);
     // A family that has nothing more to ask gives its turn to another one.
     if (one == nullptr || i % kTriesForEach == kTriesForEach - 1)
@@ -122,8 +126,8 @@ std::vector<Dialogue> chosen_dialogues(const LivedPast& past, const DialogueOpti
 Status DialogueOptions::validate() const {
   if (!(careless >= 0 && careless <= 1))
     return invalid_argument("dialogues: careless is {}, needs 0 to 1", careless);
-  if (count > 1'000'000)
-    return invalid_argument("dialogues: count is {}, needs at most 1000000", count);
+  if (count && *count > 1'000'000)
+    return invalid_argument("dialogues: count is {}, needs at most 1000000", *count);
   return {};
 }
 

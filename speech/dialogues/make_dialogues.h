@@ -18,7 +18,8 @@ enum class DialogueSplit : uint8_t {
 };
 
 struct DialogueOptions {
-  size_t count = 50;  ///< How many at most; fewer if there is not so much to ask.
+  /// How many at most; fewer if there is not so much to ask. Empty: 50, or each phrasing of others.
+  std::optional<size_t> count{};
   uint64_t seed = 1;  ///< Chooses among all that can be asked.
   DialogueSplit split = DialogueSplit::kAll;
   /// When questions are asked. Empty: most at the last moment of the last recording, others at nine
@@ -42,10 +43,11 @@ struct DialogueOptions {
 /// Source: docs/dialogues.md.
 Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptions& options);
 
-/// The same with the words of others: a file of JSON lines {"question", "asks", "family"}, whose
-/// questions have `{thing}`, `{place}`, `{time}` and so on where something is filled in, and whose
-/// "asks" say what is asked (docs/dialogues.md). Each is filled once, or left out if the recordings
-/// have nothing that it fits.
+/// The same with the words of others: a file of JSON lines {"question", "form", "skill"} or
+/// {"question", "asks"}, whose questions have `{thing}`, `{place}`, `{when}` and so on where
+/// something is filled in, and which say what is asked by the form of a Dialogue or by members of
+/// "asks" (docs/dialogues.md). Each is filled once, or left out if the recordings have nothing that
+/// it fits.
 /// Errors: also kInvalidArgument if the file has no such lines; kUnavailable if it cannot be read.
 Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const DialogueOptions& options,
                                                   const std::filesystem::path& phrasings);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 
 namespace engram::speech::dialogues {
 
@@ -11,6 +12,12 @@ namespace {
 
 bool is_one_of(std::string_view what, std::initializer_list<std::string_view> all) {
   return std::find(all.begin(), all.end(), what) != all.end();
+}
+
+bool is_any_of(const std::set<std::string, std::less<>>& slots,
+               std::initializer_list<std::string_view> all) {
+  return std::any_of(all.begin(), all.end(),
+                     [&](std::string_view one) { return slots.contains(one); });
 }
 
 /// The phrasings of each form.
@@ -44,35 +51,17 @@ std::optional<std::string> filling(std::string_view name, const KnownAnswer& kno
   return name == "when" ? std::optional(std::string()) : std::nullopt;
 }
 
-/// The text with all slots filled; nothing if it has a slot that the question does not fill, or
-/// lacks one that the question is about.
-std::optional<std::string> filled(std::string_view text, const KnownAnswer& known,
-                                  const VerbPhrase& verb) {
-  std::string result;
-  bool has_when = false;
-  bool has_verb = false;
-  bool has_thing = false;
-  bool has_place = false;
-  while (!text.empty()) {
-    const size_t open = text.find('{');
-    result += text.substr(0, open);
-    if (open == std::string_view::npos) break;
-    const size_t close = text.find('}', open);
-    const std::string_view name = text.substr(open + 1, close - open - 1);
-    const auto fill = filling(name, known, verb);
-    if (!fill) return {};
-    has_when = has_when || name == "when";
-    has_verb = has_verb || name.starts_with("d");
-    has_thing = has_thing || name == "thing";
-    has_place = has_place || name == "place";
-    result += *fill;
-    text.remove_prefix(close + 1);
+/// Whether a text with these slots says all that the question is about.
+bool tells_all(const std::set<std::string, std::less<>>& slots, const KnownAnswer& known) {
+  const bool has_verb = is_any_of(slots, {"do", "did", "done", "doing"});
+  if (!known.asked.thing.empty() && !has_verb && !slots.contains("thing")) return false;
+  if (!known.asked.place.empty() && !has_verb && !slots.contains("place")) return false;
+  if (known.slots.contains("at") && !is_any_of(slots, {"at", "time", "ago"})) return false;
+  for (const char* name : {"when", "thing2", "hand", "person"}) {
+    const auto slot = known.slots.find(name);
+    if (slot != known.slots.end() && !slot->second.empty() && !slots.contains(name)) return false;
   }
-  const auto when = known.slots.find("when");
-  if (when != known.slots.end() && !when->second.empty() && !has_when) return {};
-  if (!known.asked.thing.empty() && !has_verb && !has_thing) return {};
-  if (!known.asked.place.empty() && !has_verb && !has_place) return {};
-  return result;
+  return true;
 }
 
 }  // namespace
@@ -87,11 +76,53 @@ std::string form_of(const Asked& asked) {
   if (is_one_of(asked.what, {"which_thing", "which_things"}) && !asked.place.empty()) form += "@";
   if (is_one_of(asked.what, {"how_often", "did_you", "what_did_you_do"}) && !asked.outcome.empty())
     form += ":" + asked.outcome;
-  if (is_one_of(asked.what, {"when_did_you", "why_event", "how_long", "how_far_driven",
-                             "what_was_asked", "which_thing", "to_where"}) &&
-      !asked.which.empty())
-    form += ":" + asked.which;
+  if (is_choosing(asked.what) && !asked.which.empty()) form += ":" + asked.which;
   return form;
+}
+
+bool is_form(std::string_view form) {
+  return phrasings_by_form().contains(form);
+}
+
+bool is_choosing(std::string_view what) {
+  return is_one_of(what, {"when_did_you", "why_event", "how_long", "how_far_driven",
+                          "what_was_asked", "which_thing", "to_where"});
+}
+
+std::optional<FilledText> filled_slots(std::string_view text, const KnownAnswer& known,
+                                       const VerbPhrase& verb) {
+  FilledText result;
+  while (true) {
+    const size_t open = text.find('{');
+    result.text += text.substr(0, open);
+    if (open == std::string_view::npos) return result;
+    const size_t close = text.find('}', open);
+    if (close == std::string_view::npos) return {};
+    const std::string_view name = text.substr(open + 1, close - open - 1);
+    const auto fill = filling(name, known, verb);
+    if (!fill) return {};
+    result.text += *fill;
+    result.slots.emplace(name);
+    text.remove_prefix(close + 1);
+  }
+}
+
+std::vector<WordedQuestion> worded_by(std::string_view text, const std::string& id,
+                                      const KnownAnswer& known) {
+  std::vector<WordedQuestion> all;
+  const bool has_verb = text.find("{do") != std::string_view::npos ||  // Also {done} and {doing}.
+                        text.find("{did}") != std::string_view::npos;
+  if (!has_verb) {
+    auto result = filled_slots(text, known, {});
+    if (result && tells_all(result->slots, known)) all.push_back({std::move(result->text), id});
+    return all;
+  }
+  for (const VerbPhrase& verb : verb_phrases(known.asked)) {
+    auto result = filled_slots(text, known, verb);
+    if (result && tells_all(result->slots, known))
+      all.push_back({std::move(result->text), id + "/" + verb.id});
+  }
+  return all;
 }
 
 std::vector<WordedQuestion> worded(const KnownAnswer& known) {
@@ -99,18 +130,9 @@ std::vector<WordedQuestion> worded(const KnownAnswer& known) {
   const std::string form = form_of(known.asked);
   const auto found = phrasings_by_form().find(form);
   if (found == phrasings_by_form().end()) return all;
-  const std::vector<VerbPhrase> verbs = verb_phrases(known.asked);
-  for (size_t i = 0; i < found->second.size(); ++i) {
-    const std::string_view text = found->second[i];
-    const std::string id = fmt::format("{}#{}", form, i);
-    if (text.find("{d") == std::string_view::npos) {
-      if (auto result = filled(text, known, {})) all.push_back({*std::move(result), id});
-      continue;
-    }
-    for (const VerbPhrase& verb : verbs)
-      if (auto result = filled(text, known, verb))
-        all.push_back({*std::move(result), id + "/" + verb.id});
-  }
+  for (size_t i = 0; i < found->second.size(); ++i)
+    for (WordedQuestion& one : worded_by(found->second[i], fmt::format("{}#{}", form, i), known))
+      all.push_back(std::move(one));
   return all;
 }
 

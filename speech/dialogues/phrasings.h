@@ -4,7 +4,7 @@
 // Private to this room: how questions are put into words.
 
 #include <optional>
-#include <random>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,5 +55,29 @@ struct WordedQuestion {
 
 /// All ways to put a question into words, in a fixed order.
 [[nodiscard]] std::vector<WordedQuestion> worded(const KnownAnswer& known);
+
+/// All ways to fill one template, which is called `id`: one for each way to say the skill, where it
+/// has words for one. Empty: it has a slot that the question does not fill, or lacks one that the
+/// question is about.
+[[nodiscard]] std::vector<WordedQuestion> worded_by(std::string_view text, const std::string& id,
+                                                    const KnownAnswer& known);
+
+/// Whether there are own phrasings of this form.
+[[nodiscard]] bool is_form(std::string_view form);
+
+/// Whether another thing is asked with "first" or "last" than without, so that the words must say
+/// it.
+[[nodiscard]] bool is_choosing(std::string_view what);
+
+struct FilledText {
+  std::string text;
+  std::set<std::string, std::less<>> slots;  ///< Those that it had.
+};
+
+/// The text with all slots filled, whatever else the question is about; nothing if it has a slot
+/// that the question does not fill.
+[[nodiscard]] std::optional<FilledText> filled_slots(std::string_view text,
+                                                     const KnownAnswer& known,
+                                                     const VerbPhrase& verb);
 
 }  // namespace engram::speech::dialogues

@@ -156,6 +156,63 @@ TEST(Dialogues, TakeTheWordsOfOthers) {
                StatusCode::kUnavailable, "cannot be read");
 }
 
+TEST(Dialogues, FillTheTemplatesOfOthers) {
+  const ScratchDirectory scratch;
+  const auto file = scratch.path() / "written.jsonl";
+  std::ofstream(file)
+      << R"({"form": "when_did_you:last", "question": "Time of the last moment you {did}, please?"}
+
+{"form": "which_hand", "skill": "place", "question": "{thing} set down: by left or right?"}
+{"form": "was_hand", "question": "Was your {hand} gripper used to {do}?"}
+{"form": "how_many_failures", "question": "Number of failures{when}, robot?"}
+{"form": "unanswerable:unknown_thing", "question": "Did I leave the {thing} beside the {known}?"}
+{"form": "where_now", "skill": "navigate", "question": "Where is it?"}
+{"form": "doing_at", "question": "{at}: state your activity"}
+)";
+  const auto dialogues = make_dialogues_with(kitchen_of_seed_1(), {.seed = 3}, file);
+  ASSERT_OK(dialogues);
+  std::map<std::string, Dialogue> by_form;
+  for (const Dialogue& one : *dialogues) {
+    EXPECT_EQ(one.question.find('{'), std::string::npos) << one.question;
+    by_form[one.form] = one;
+  }
+  // The words of one of them lack the thing.
+  EXPECT_EQ(by_form.size(), 6U);
+  EXPECT_FALSE(by_form.contains("where_now"));
+  EXPECT_EQ(kind_of(by_form["when_did_you:last"].value), "time");
+  EXPECT_NE(by_form["when_did_you:last"].phrasing.find("#w"), std::string::npos);
+  EXPECT_TRUE(by_form["which_hand"].question.ends_with(" set down: by left or right?"));
+  EXPECT_EQ(kind_of(by_form["was_hand"].value), "yes_no");
+  EXPECT_EQ(by_form["unanswerable:unknown_thing"].family, "unanswerable");
+  EXPECT_EQ(by_form["doing_at"].family, "at_a_time");
+
+  const auto fewer = make_dialogues_with(kitchen_of_seed_1(), {.count = 2, .seed = 3}, file);
+  ASSERT_OK(fewer);
+  EXPECT_EQ(fewer->size(), 2U);
+  std::ofstream(file) << R"({"form": "when_did_i", "question": "When?"})"
+                      << "\n";
+  EXPECT_FAILS(make_dialogues_with(kitchen_of_seed_1(), {}, file), StatusCode::kInvalidArgument,
+               "line 1 needs a known 'form'");
+}
+
+TEST(Dialogues, KeepTemplatesOfOthersForTrials) {
+  const ScratchDirectory scratch;
+  const auto file = scratch.path() / "written.jsonl";
+  std::ofstream lines(file);
+  constexpr size_t kLines = 200;
+  for (size_t i = 0; i < kLines; ++i)
+    lines << R"({"form": "things_seen", "question": "Things seen, request )" << i << "?\"}\n";
+  lines.close();
+  const auto trained =
+      make_dialogues_with(kitchen_of_seed_1(), {.split = DialogueSplit::kTrain}, file);
+  const auto kept =
+      make_dialogues_with(kitchen_of_seed_1(), {.split = DialogueSplit::kHeldOut}, file);
+  ASSERT_OK(trained);
+  ASSERT_OK(kept);
+  EXPECT_EQ(trained->size() + kept->size(), kLines);
+  EXPECT_NEAR(static_cast<double>(kept->size()), kLines / 5.0, 20);
+}
+
 TEST(Dialogues, NeedARecordingOfAKitchen) {
   const ScratchDirectory scratch;
   auto memory = Memory::open(scratch.path() / "empty.engram");
