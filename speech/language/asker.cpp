@@ -55,9 +55,26 @@ Status Asker::refresh() {
   return {};
 }
 
-Result<Answer> Asker::ask(std::string_view question, Time now) {
+Result<std::optional<Answer>> Asker::ask_reader(std::string_view question, Time now) {
+  if (options_.reader == nullptr) return std::optional<Answer>();
+  ENGRAM_ASSIGN_OR_RETURN(const auto read, options_.reader->read(question, *facts_, *lexicon_,
+                                                                 *tagger_, now, options_.zone));
+  if (!read) return std::optional<Answer>();
+  auto answer = ask_program(read->program, now);
+  // Times that make no sense at this moment: it was read wrongly.
+  if (!answer.ok() && answer.status().code() == StatusCode::kInvalidArgument)
+    return std::optional<Answer>();
+  ENGRAM_RETURN_IF_ERROR(answer.status());
+  answer->route = options_.reader->route();
+  answer->confidence = read->confidence;
+  return std::optional(*std::move(answer));
+}
+
+Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
   const SteadyTime began = steady_now();
-  ParsedQuestion parsed = parse_question(question, *lexicon_, *tagger_, now, options_.zone);
+  ParsedQuestion parsed = route == AskRoute::kReader
+                              ? unread_question()
+                              : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
   Answer answer;
   auto executed = parsed.program ? ask_program(*parsed.program, now) : Result<Answer>(Answer());
   // Times that make no sense at this moment are the question's fault: "from now to 8:00".
@@ -68,13 +85,19 @@ Result<Answer> Asker::ask(std::string_view question, Time now) {
   }
   ENGRAM_RETURN_IF_ERROR(executed.status());
   answer = *std::move(executed);
-  if (!parsed.program) {
+  answer.confidence = parsed.confidence;
+  std::optional<Answer> read;
+  if (parsed.is_unread && route != AskRoute::kProgram) {
+    ENGRAM_ASSIGN_OR_RETURN(read, ask_reader(question, now));
+  }
+  if (read) {
+    answer = *std::move(read);
+  } else if (!parsed.program) {
     answer.text = std::move(parsed.refusal);
     answer.route = "none";
     answer.looked_for = "a question that I can read";
   }
   answer.question = shown_question(question);
-  answer.confidence = parsed.confidence;
   answer.took_ms = to_seconds(steady_now() - began) * 1e3;
   return answer;
 }

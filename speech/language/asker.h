@@ -9,6 +9,7 @@
 
 #include "speech/facts/known_facts.h"
 #include "speech/language/lexicon.h"
+#include "speech/language/question_reader.h"
 #include "speech/language/tagger.h"
 #include "speech/program/outcome.h"
 #include "speech/program/period.h"
@@ -19,7 +20,8 @@ namespace engram::speech {
 struct Answer {
   std::string question;
   std::string text;
-  std::string route;  ///< "program"; "none" where the question could not be read.
+  /// "program"; that of the reader who read it, "attention"; "none" where nobody could.
+  std::string route;
   double confidence = 0;
   std::optional<Program> program;
   AnswerValue value = answers::Unknown{};
@@ -32,6 +34,13 @@ struct Answer {
   [[nodiscard]] nlohmann::ordered_json to_json() const;
 };
 
+/// Who reads a question as a program.
+enum class AskRoute {
+  kAuto,     ///< The grammar, and where no rule of it fits the other reader.
+  kProgram,  ///< The grammar alone.
+  kReader,   ///< The other reader alone.
+};
+
 /// Answers questions in English from a memory.
 ///
 /// Owns: nothing of the memory, which must outlive it.
@@ -42,6 +51,8 @@ class Asker {
   struct Options {
     /// By which clock days and clock times are meant.
     DayZone zone = DayZone::kUtc;
+    /// Who reads what the grammar does not; null: nobody.
+    std::shared_ptr<QuestionReader> reader{};
   };
 
   /// Reads what the memory has now.
@@ -54,7 +65,7 @@ class Asker {
   /// Answers a question as of `now`. What it does not understand, and what the memory does not
   /// know, is no error but an answer that says so.
   /// Errors: those of Memory::query.
-  Result<Answer> ask(std::string_view question, Time now);
+  Result<Answer> ask(std::string_view question, Time now, AskRoute route = AskRoute::kAuto);
   /// Answers what is a program already.
   /// Errors: kInvalidArgument where it does not validate; those of Memory::query.
   Result<Answer> ask_program(const Program& program, Time now);
@@ -64,6 +75,8 @@ class Asker {
 
  private:
   Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
+
+  Result<std::optional<Answer>> ask_reader(std::string_view question, Time now);
 
   std::unique_ptr<KnownFacts> facts_;
   Options options_;

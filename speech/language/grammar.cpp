@@ -22,7 +22,7 @@ bool is_among_words(const std::string& word, std::initializer_list<std::string_v
 }
 
 ParsedQuestion refused(std::string why) {
-  return {{}, std::move(why), 0};
+  return {{}, std::move(why), 0, false};
 }
 
 /// A name that nothing has, and what of the question it would be.
@@ -170,19 +170,30 @@ constexpr const char* kCannotRead =
 
 }  // namespace
 
+ParsedQuestion unread_question() {
+  return {{}, kCannotRead, 0, true};
+}
+
+Result<QuestionInWords> question_in_words(std::string_view question, const Lexicon& lexicon,
+                                          const Tagger& tagger, Time now, DayZone zone) {
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
+  tagger.correct(words, lexicon);
+  QuestionInWords in_words;
+  in_words.is_indirect = take_politeness(words);
+  replace_phrases(words);
+  in_words.times = take_times(words, now, zone);
+  in_words.words = tagger.tag(words, lexicon);
+  return in_words;
+}
+
 ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
                               const Tagger& tagger, Time now, DayZone zone) {
-  auto split = split_words(question);
-  if (!split.ok()) return refused("I am sorry, " + split.status().message() + ".");
-  std::vector<QuestionWord> words = *std::move(split);
-  tagger.correct(words, lexicon);
-  const bool is_indirect = take_politeness(words);
-  replace_phrases(words);
-  AskedTimes times = take_times(words, now, zone);
-  const std::vector<TaggedWord> tagged = tagger.tag(words, lexicon);
-  if (tagged.empty()) return refused(kCannotRead);
-  const QuestionParts parts = parts_of_question(tagged, std::move(times), is_indirect);
-  if (parts.main.words.empty()) return refused(kCannotRead);
+  auto in_words = question_in_words(question, lexicon, tagger, now, zone);
+  if (!in_words.ok()) return refused("I am sorry, " + in_words.status().message() + ".");
+  if (in_words->words.empty()) return unread_question();
+  const QuestionParts parts =
+      parts_of_question(in_words->words, std::move(in_words->times), in_words->is_indirect);
+  if (parts.main.words.empty()) return unread_question();
 
   double confidence = kConfidence;
   size_t passed_over = 0;
@@ -193,7 +204,7 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
       if (word.is_corrected) confidence -= kPerCorrection;
       if (word.tag != WordTag::kUnknown) continue;
       if (const auto strange = strange_name(clause->words, at))
-        return {program_of(*strange), {}, confidence / 2};
+        return {program_of(*strange), {}, confidence / 2, false};
       ++passed_over;
     }
   }
@@ -202,13 +213,13 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
   if (is_request(parts))
     return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
   const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
-  if (passed_over > max_passed_over) return refused(kCannotRead);
+  if (passed_over > max_passed_over) return unread_question();
   auto program = GrammarRules(parts, lexicon).program();
-  if (!program) return refused(kCannotRead);
+  if (!program) return unread_question();
   // A rule that made what does not validate has a gap, and a gap is no answer.
-  if (!program->validate().ok()) return refused(kCannotRead);
+  if (!program->validate().ok()) return unread_question();
   confidence -= kPerPassedOver * static_cast<double>(passed_over);
-  return {std::move(program), {}, std::max(0.1, confidence)};
+  return {std::move(program), {}, std::max(0.1, confidence), false};
 }
 
 }  // namespace engram::speech

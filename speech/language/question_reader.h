@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string_view>
+
+#include "speech/facts/known_facts.h"
+#include "speech/language/lexicon.h"
+#include "speech/language/tagger.h"
+#include "speech/program/period.h"
+#include "speech/program/program.h"
+
+namespace engram::speech {
+
+/// What a question was read as.
+struct ReadProgram {
+  Program program;
+  double confidence = 0;  ///< 0..1: that it was read rightly.
+};
+
+/// Another way to read questions as programs than the grammar's, which is asked where the grammar
+/// reads nothing (speech/attention).
+///
+/// Threading: one thread.
+class QuestionReader {
+ public:
+  virtual ~QuestionReader() = default;
+
+  /// What an answer calls it: "attention".
+  [[nodiscard]] virtual std::string_view route() const = 0;
+
+  /// Nothing: it does not read the question, or is not sure of it. Errors: those of Memory::query.
+  virtual Result<std::optional<ReadProgram>> read(std::string_view question, KnownFacts& facts,
+                                                  const Lexicon& lexicon, const Tagger& tagger,
+                                                  Time now, DayZone zone) = 0;
+};
+
+}  // namespace engram::speech
