@@ -25,6 +25,9 @@ using Alike = std::map<std::string, std::vector<const KnownAnswer*>>;
 
 [[nodiscard]] bool is_in(DialogueSplit split, const Dialogue& dialogue);
 
+/// The question in a few own words: up to three.
+[[nodiscard]] std::vector<std::string> plain_words(const KnownAnswer& known);
+
 /// Puts an answer and its words together; without an ID.
 [[nodiscard]] Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known,
                                    const WordedQuestion& words);

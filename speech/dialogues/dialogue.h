@@ -24,6 +24,9 @@ struct Dialogue {
   std::vector<ltm::MemoryId> evidence{};
   /// What training must not have seen of it: "phrasing", "seed", "thing". Sorted.
   std::vector<std::string> held_out{};
+  /// The same question in a few of the generator's own words, for whoever learns what others mean;
+  /// empty unless DialogueOptions::tells_plainly. It is no part of the JSON.
+  std::vector<std::string> plain{};
 };
 
 /// One line of JSON without its end: {"id", "family", "form", "question", "phrasing", "seed",

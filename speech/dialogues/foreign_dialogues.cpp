@@ -106,6 +106,7 @@ class ForeignMaker {
     if (ways.empty()) return {};
     Dialogue chosen = std::move(ways[below(ways.size())]);
     put_carelessly(chosen, known, options_.careless, random_);
+    if (options_.tells_plainly) chosen.plain = plain_words(known);
     return chosen;
   }
 

@@ -53,6 +53,17 @@ std::string sort_of(const KnownAnswer& known) {
   return answer->value ? "yes" : "no";
 }
 
+std::vector<std::string> plain_words(const KnownAnswer& known) {
+  constexpr size_t kCount = 3;
+  std::vector<std::string> plain;
+  const std::vector<WordedQuestion> all = worded(known);
+  // Some of different templates: those of one stand side by side.
+  const size_t step = std::max<size_t>(1, all.size() / kCount);
+  for (size_t i = 0; i < all.size() && plain.size() < kCount; i += step)
+    plain.push_back(all[i].text);
+  return plain;
+}
+
 bool is_in(DialogueSplit split, const Dialogue& dialogue) {
   return split == DialogueSplit::kAll ||
          (split == DialogueSplit::kTrain) == dialogue.held_out.empty();
@@ -116,6 +127,7 @@ std::vector<Dialogue> chosen_dialogues(const LivedPast& past, const DialogueOpti
     if (!is_in(options.split, dialogue)) continue;
     put_carelessly(dialogue, *one, options.careless, chooser.random());
     dialogue.id = fmt::format("{}-{}", past.seed, made.size());
+    if (options.tells_plainly) dialogue.plain = plain_words(*one);
     made.push_back(std::move(dialogue));
   }
   return made;

@@ -28,6 +28,7 @@ struct DialogueOptions {
   /// The share of questions that are put carelessly: in small letters without marks, or with two
   /// letters swapped. 0 to 1.
   double careless = 0;
+  bool tells_plainly = false;  ///< Fills Dialogue::plain.
 
   [[nodiscard]] Status validate() const;
 };
