@@ -110,7 +110,10 @@ Status answer_lines(const AskArguments& arguments, const Asked& asked_of, Time n
 Status ask(const AskArguments& arguments) {
   Asked asked;
   ENGRAM_ASSIGN_OR_RETURN(asked.memory, open_to_ask(arguments.memory));
-  ENGRAM_ASSIGN_OR_RETURN(asked.asker, speech::Asker::create(*asked.memory, {.zone = day_zone()}));
+  ENGRAM_ASSIGN_OR_RETURN(auto reader, reader_of(arguments.route, arguments.memory.store));
+  ENGRAM_ASSIGN_OR_RETURN(
+      asked.asker,
+      speech::Asker::create(*asked.memory, {.zone = day_zone(), .reader = std::move(reader)}));
   ENGRAM_ASSIGN_OR_RETURN(const Time now, now_of(arguments.memory, asked.asker->facts()));
   if (arguments.questions == "-") return answer_lines(arguments, asked, now, std::cin);
   if (!arguments.questions.empty()) {

@@ -5,9 +5,12 @@
 #include <cstdlib>
 
 #include "cli/interrupt.h"
+#include "cli/learning_module.h"
 #include "speech/assistants/asking_tools.h"
 #include "speech/assistants/chat_route.h"
 #include "speech/assistants/memory_tools.h"
+#include "speech/attention/attention_files.h"
+#include "speech/attention/attention_reader.h"
 
 namespace engram::cli {
 
@@ -63,10 +66,14 @@ Result<speech::Answer> ask_model(const RouteArguments& arguments, Memory& memory
 void add_route_options(CLI::App& command, RouteArguments& arguments) {
   command
       .add_option("--route", arguments.route,
-                  "Who reads the question: a program of this one alone, a language model, or that "
-                  "only where no program fits")
-      ->check(CLI::IsMember({"auto", "program", "llm"}))
+                  "Who reads the question: the rules of the grammar alone, the network of "
+                  "learn-answers, a language model, or one after the other until one reads it")
+      ->check(CLI::IsMember({"auto", "program", "attention", "llm"}))
       ->capture_default_str();
+  command
+      .add_option("--attention", arguments.attention,
+                  "A network of engram learn-answers (without: the store's own, if it has one)")
+      ->check(CLI::ExistingFile);
   command.add_option("--llm", arguments.url,
                      "A server of a language model, such as http://127.0.0.1:8080/v1 of llama.cpp; "
                      "its token is in ENGRAM_LLM_TOKEN");
@@ -80,12 +87,36 @@ Status check_route(const RouteArguments& arguments) {
   return {};
 }
 
+Result<std::shared_ptr<speech::QuestionReader>> reader_of(const RouteArguments& arguments,
+                                                          const std::string& store) {
+  std::shared_ptr<speech::QuestionReader> reader;
+  if (arguments.route == "program" || arguments.route == "llm") return reader;
+  std::filesystem::path file = arguments.attention;
+  std::error_code error;
+  if (file.empty() && !store.empty() &&
+      std::filesystem::exists(speech::attention_file(store), error))
+    file = speech::attention_file(store);
+  if (file.empty()) {
+    if (arguments.route == "attention")
+      return invalid_argument(
+          "--route attention needs --attention with a file of engram learn-answers");
+    return reader;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
+  ENGRAM_ASSIGN_OR_RETURN(auto network, module->load_attention(file));
+  reader = speech::make_attention_reader(std::move(network));
+  return reader;
+}
+
 Result<speech::Answer> ask_by_route(const RouteArguments& arguments, Memory& memory,
                                     const std::shared_ptr<speech::Asker>& asker,
                                     const std::string& question, Time now) {
   if (arguments.route == "llm") return ask_model(arguments, memory, asker, question, now);
-  ENGRAM_ASSIGN_OR_RETURN(speech::Answer answer, asker->ask(question, now));
-  if (answer.program || arguments.route == "program" || arguments.url.empty()) return answer;
+  const speech::AskRoute route = arguments.route == "program"     ? speech::AskRoute::kProgram
+                                 : arguments.route == "attention" ? speech::AskRoute::kReader
+                                                                  : speech::AskRoute::kAuto;
+  ENGRAM_ASSIGN_OR_RETURN(speech::Answer answer, asker->ask(question, now, route));
+  if (answer.program || arguments.route != "auto" || arguments.url.empty()) return answer;
   return ask_model(arguments, memory, asker, question, now);
 }
 

@@ -12,16 +12,23 @@ namespace engram::cli {
 
 /// Who reads a question.
 struct RouteArguments {
-  std::string route = "auto";  ///< "auto", "program" or "llm".
+  std::string route = "auto";  ///< "auto", "program", "attention" or "llm".
+  std::string attention;       ///< The file of a network; empty: the store's, if it has one.
   std::string url;             ///< Of a language model; empty: there is none.
   std::string model;
 };
 
-/// Adds --route, --llm and --llm-model.
+/// Adds --route, --attention, --llm and --llm-model.
 void add_route_options(CLI::App& command, RouteArguments& arguments);
 
 /// Errors: kInvalidArgument where the route needs a language model and none is named.
 [[nodiscard]] Status check_route(const RouteArguments& arguments);
+
+/// The reader of the route of attention; null where the route needs none, or neither the options
+/// name one nor the store has learned one.
+/// Errors: kInvalidArgument where --route attention has none; those of load_attention.
+Result<std::shared_ptr<speech::QuestionReader>> reader_of(const RouteArguments& arguments,
+                                                          const std::string& store);
 
 /// Answers a question by the route that was chosen: with `auto` as a program, and by the language
 /// model where it could not be read and there is one.

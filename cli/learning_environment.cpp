@@ -23,7 +23,8 @@ bool is_set(const char* name) {
 bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (const std::string_view word = argv[i];
-        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict")
+        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict" ||
+        word == "learn-answers")
       return true;
   return false;
 }

@@ -8,6 +8,7 @@
 #include "ltm/forgetting/erasure.h"
 #include "ltm/forgetting/fade_report.h"
 #include "ltm/recall/model.h"
+#include "speech/attention/attention_reader.h"
 
 namespace engram::cli {
 
@@ -28,6 +29,10 @@ struct LearningModule {
   AddCommand add_consolidate_command;
   AddCommand add_crossval_command;
   AddCommand add_eval_command;
+  AddCommand add_learn_answers_command;
+  /// speech::load_attention.
+  Result<std::unique_ptr<speech::AttentionNetwork>> (*load_attention)(
+      const std::filesystem::path& file);
   /// An ltm::Fade.
   Result<ltm::FadeReport> (*fade)(const std::filesystem::path& store, const ltm::FadeSet& what,
                                   const ProgressSink& progress, const std::stop_token& stop);

@@ -106,6 +106,7 @@ struct Program {
     add_query_command(app, exit_code);
     add_ask_command(app, exit_code);
     add_tell_command(app, exit_code);
+    if (learning != nullptr) learning->add_learn_answers_command(app, exit_code);
     add_similar_command(app, exit_code);
     add_why_salient_command(app, exit_code);
     add_reflect_command(app, exit_code);
@@ -136,7 +137,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 14> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 15> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -145,6 +146,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 14> kInterruptNot
     {"export", "what it began to write is not whole; an export to a vault goes on"},
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
+    {"learn-answers", "what was learned before is as it was"},
     {"map", "a file or a map is whole, or not there"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},

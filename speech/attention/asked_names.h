@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "speech/attention/attention_input.h"
+#include "speech/language/grammar.h"
+
+namespace engram::speech {
+
+/// The names of a question, each once, in the order in which they stand there.
+struct AskedNames {
+  std::vector<std::string> things;
+  std::vector<std::string> places;
+  std::vector<std::string> persons;
+  std::vector<std::string> hands;
+  /// The skills that each verb, or name of a skill, means: joined by commas.
+  std::vector<std::string> skills;
+
+  explicit AskedNames(const QuestionInWords& question, const Lexicon& lexicon);
+
+  /// All skills, joined by commas.
+  [[nodiscard]] std::string all_skills() const;
+};
+
+/// The words as a network reads them: of each its spelling, its base form and its tag, of one that
+/// nobody knows also its letters; of a name its kind and the place among those of its kind. Behind
+/// them stand the times that are asked for. At most AttentionInput::kMaxWords.
+[[nodiscard]] std::vector<AttentionInput::Word> numbers_of_words(const QuestionInWords& question,
+                                                                 const AskedNames& names);
+
+}  // namespace engram::speech

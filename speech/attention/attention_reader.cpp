@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/attention/attention_reader.h"
+
+#include "speech/attention/choose_program.h"
+
+namespace engram::speech {
+
+namespace {
+
+class AttentionReader final : public QuestionReader {
+ public:
+  explicit AttentionReader(std::unique_ptr<AttentionNetwork> network)
+      : network_(std::move(network)) {}
+
+  [[nodiscard]] std::string_view route() const override { return "attention"; }
+
+  Result<std::optional<ReadProgram>> read(std::string_view question, KnownFacts& facts,
+                                          const Lexicon& lexicon, const Tagger& tagger, Time now,
+                                          DayZone zone) override {
+    const auto asked = attended_question(question, facts, lexicon, tagger, now, zone);
+    if (!asked.ok() && asked.status().code() == StatusCode::kInvalidArgument)
+      return std::optional<ReadProgram>();
+    ENGRAM_RETURN_IF_ERROR(asked.status());
+    if (asked->input.words.empty()) return std::optional<ReadProgram>();
+    ENGRAM_ASSIGN_OR_RETURN(const AttentionScores scores, network_->attend(asked->input));
+    auto chosen = choose_program(scores, asked->groups, asked->names, asked->words.times);
+    if (!chosen || chosen->confidence < network_->min_confidence())
+      return std::optional<ReadProgram>();
+    return std::optional(ReadProgram{std::move(chosen->program), chosen->confidence});
+  }
+
+ private:
+  std::unique_ptr<AttentionNetwork> network_;
+};
+
+}  // namespace
+
+Result<AttendedQuestion> attended_question(std::string_view question, KnownFacts& facts,
+                                           const Lexicon& lexicon, const Tagger& tagger, Time now,
+                                           DayZone zone) {
+  ENGRAM_ASSIGN_OR_RETURN(QuestionInWords words,
+                          question_in_words(question, lexicon, tagger, now, zone));
+  AskedNames names(words, lexicon);
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<EpisodeGroup> groups,
+                          episode_groups(facts, names, words.times, now, zone));
+  AttentionInput input{.words = numbers_of_words(words, names)};
+  // A text of so many words is no question.
+  if (input.words.size() > AttentionInput::kMaxWords)
+    return invalid_argument("it has {} words, and at most {} can be attended to",
+                            input.words.size(), AttentionInput::kMaxWords);
+  for (const EpisodeGroup& group : groups) input.groups.push_back(traits_of(group, names, now));
+  input.attended = most_relevant(groups, names);
+  return AttendedQuestion{std::move(words), std::move(names), std::move(groups), std::move(input)};
+}
+
+std::unique_ptr<QuestionReader> make_attention_reader(std::unique_ptr<AttentionNetwork> network) {
+  return std::make_unique<AttentionReader>(std::move(network));
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "speech/attention/attention_input.h"
+#include "speech/attention/episode_groups.h"
+#include "speech/language/question_reader.h"
+
+namespace engram::speech {
+
+/// A network that attends to what a memory has of a question (speech/learning).
+///
+/// Threading: one thread.
+class AttentionNetwork {
+ public:
+  virtual ~AttentionNetwork() = default;
+
+  /// Errors: kUnavailable where the network fails.
+  virtual Result<AttentionScores> attend(const AttentionInput& input) = 0;
+  /// The confidence from which on what it reads is told: as many answers as that are right, it was
+  /// measured, are so on wordings that it was not trained with.
+  [[nodiscard]] virtual double min_confidence() const = 0;
+};
+
+/// A question with what a memory has of it, for a network and for who chooses the program.
+struct AttendedQuestion {
+  QuestionInWords words;
+  AskedNames names;
+  std::vector<EpisodeGroup> groups;
+  AttentionInput input;
+};
+
+/// Errors: kInvalidArgument where it is no question that can be read at all (split_words); those of
+/// Memory::query.
+Result<AttendedQuestion> attended_question(std::string_view question, KnownFacts& facts,
+                                           const Lexicon& lexicon, const Tagger& tagger, Time now,
+                                           DayZone zone);
+
+/// Reads questions by attention: the network reads a frame of a program and selects groups of
+/// episodes; the filters that select just these make it a program, which is executed as any other.
+/// What it is not sure of, it does not read.
+///
+/// Owns: the network.
+/// Threading: one thread.
+/// Source: docs/verbalisation.md, section "The route of attention".
+[[nodiscard]] std::unique_ptr<QuestionReader> make_attention_reader(
+    std::unique_ptr<AttentionNetwork> network);
+
+}  // namespace engram::speech

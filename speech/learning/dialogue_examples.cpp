@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/learning/dialogue_examples.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ltm/core/ascii.h"
+#include "speech/attention/attention_reader.h"
+#include "speech/attention/choose_program.h"
+#include "speech/attention/program_symbols.h"
+#include "speech/language/grammar.h"
+#include "speech/program/execute.h"
+
+namespace engram::speech {
+
+namespace {
+
+constexpr float kParts = 64;
+/// What a network that is sure says of a group.
+constexpr float kSureLogit = 8;
+
+bool is_near(double a, double b, double most) {
+  return std::abs(a - b) <= most;
+}
+
+/// Whether an answer is the one that is known: times within half a second, amounts within a tenth.
+bool is_same(const AnswerValue& a, const AnswerValue& b) {
+  if (a.index() != b.index()) return false;
+  if (const auto* moment = std::get_if<answers::Moment>(&a))
+    return is_near(to_seconds(moment->value - std::get<answers::Moment>(b).value), 0, 0.5);
+  if (const auto* span = std::get_if<answers::Span>(&a)) {
+    const auto& other = std::get<answers::Span>(b);
+    return is_near(to_seconds(span->from - other.from), 0, 0.5) &&
+           is_near(to_seconds(span->to - other.to), 0, 0.5);
+  }
+  if (const auto* seconds = std::get_if<answers::Seconds>(&a))
+    return is_near(seconds->value, std::get<answers::Seconds>(b).value, 0.1);
+  if (const auto* metres = std::get_if<answers::Metres>(&a))
+    return is_near(metres->value, std::get<answers::Metres>(b).value, 0.1);
+  if (const auto* reason = std::get_if<answers::Reason>(&a)) {
+    const auto& links = std::get<answers::Reason>(b).links;
+    return std::any_of(reason->links.begin(), reason->links.end(), [&](const ltm::MemoryId& link) {
+      return std::find(links.begin(), links.end(), link) != links.end();
+    });
+  }
+  if (const auto* names = std::get_if<answers::Names>(&a)) {
+    auto lower = [](const answers::Names& all) {
+      std::vector<std::string> texts;
+      for (const std::string& name : all.value) texts.push_back(lower_ascii(name));
+      std::sort(texts.begin(), texts.end());
+      return texts;
+    };
+    return lower(*names) == lower(std::get<answers::Names>(b));
+  }
+  return a == b;
+}
+
+bool is_right(const AnswerValue& value, const Dialogue& dialogue) {
+  return is_same(value, dialogue.value) ||
+         std::any_of(dialogue.also.begin(), dialogue.also.end(), [&](const AnswerValue& also) {
+           return !is_unknown(also) && is_same(value, also);
+         });
+}
+
+class ExampleMaker {
+ public:
+  explicit ExampleMaker(std::unique_ptr<KnownFacts> facts)
+      : facts_(std::move(facts)), lexicon_(*facts_), tagger_(make_word_tagger()) {}
+
+  Status add(const Dialogue& dialogue, std::vector<AttentionExample>& examples,
+             ExampleCounts& counts) {
+    ++counts.dialogues;
+    const auto asked = attended_question(dialogue.question, *facts_, lexicon_, *tagger_,
+                                         dialogue.now, DayZone::kUtc);
+    if (!asked.ok() || asked->input.words.empty()) return {};
+    AttentionExample example{.words = asked->input.words, .attended = asked->input.attended};
+    for (const AttentionInput::Traits& traits : asked->input.groups)
+      example.groups.push_back(packed(traits));
+    example.is_held_out = !dialogue.held_out.empty();
+    if (is_unknown(dialogue.value)) {
+      example.symbols = {kRefusalSymbol, kEndSymbol};
+      example.main.assign(example.groups.size(), 2);
+      ++counts.refusals;
+      examples.push_back(std::move(example));
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const auto program, right_program(dialogue));
+    if (!program) {
+      ++counts.unread;
+      return {};
+    }
+    ENGRAM_ASSIGN_OR_RETURN(const bool is_told, tell(*program, dialogue, *asked, example));
+    if (!is_told) {
+      ++counts.unlike;
+      return {};
+    }
+    ++counts.programs;
+    examples.push_back(std::move(example));
+    return {};
+  }
+
+ private:
+  /// The grammar's program for the question in plain words, if it answers it rightly.
+  Result<std::optional<Program>> right_program(const Dialogue& dialogue) {
+    for (const std::string& words : dialogue.plain) {
+      const ParsedQuestion parsed =
+          parse_question(words, lexicon_, *tagger_, dialogue.now, DayZone::kUtc);
+      if (!parsed.program) continue;
+      const auto outcome = execute(*parsed.program, *facts_, dialogue.now, DayZone::kUtc);
+      if (!outcome.ok() && outcome.status().code() == StatusCode::kInvalidArgument) continue;
+      ENGRAM_RETURN_IF_ERROR(outcome.status());
+      if (is_right(outcome->value, dialogue)) return std::optional(*parsed.program);
+    }
+    return std::optional<Program>();
+  }
+
+  static std::vector<uint8_t> kept(const Program& program, const AttendedQuestion& asked) {
+    std::vector<uint8_t> flags;
+    for (const EpisodeGroup& group : asked.groups)
+      flags.push_back(group.source != program.source       ? 2
+                      : keeps(program, group, asked.names) ? 1
+                                                           : 0);
+    return flags;
+  }
+
+  static std::vector<float> logits_of(const std::vector<uint8_t>& flags) {
+    std::vector<float> logits;
+    for (const uint8_t flag : flags) logits.push_back(flag == 1 ? kSureLogit : -kSureLogit);
+    return logits;
+  }
+
+  static const Program* within(const Program& program) {
+    for (const ProgramFilter& filter : program.filters)
+      if (filter.value.program) return filter.value.program.get();
+    for (const ProgramStep& step : program.steps)
+      if (step.argument && step.argument->program) return step.argument->program.get();
+    return nullptr;
+  }
+
+  /// Tells the program as an example; false where that has another answer.
+  Result<bool> tell(const Program& program, const Dialogue& dialogue, const AttendedQuestion& asked,
+                    AttentionExample& example) {
+    const auto symbols = symbols_of(program, asked.words.times);
+    if (!symbols) return false;
+    example.symbols = *symbols;
+    example.main = kept(program, asked);
+    AttentionScores::Reading reading{*symbols, 0, logits_of(example.main), {}};
+    if (const Program* other = within(program)) {
+      example.other = kept(*other, asked);
+      reading.other = logits_of(example.other);
+    }
+    AttentionScores scores;
+    scores.readings.push_back(std::move(reading));
+    const auto chosen = choose_program(scores, asked.groups, asked.names, asked.words.times);
+    if (!chosen) return false;
+    if (chosen->program == program) return true;
+    const auto outcome = execute(chosen->program, *facts_, dialogue.now, DayZone::kUtc);
+    if (!outcome.ok() && outcome.status().code() == StatusCode::kInvalidArgument) return false;
+    ENGRAM_RETURN_IF_ERROR(outcome.status());
+    return is_right(outcome->value, dialogue);
+  }
+
+  std::unique_ptr<KnownFacts> facts_;
+  Lexicon lexicon_;
+  std::unique_ptr<Tagger> tagger_;
+};
+
+}  // namespace
+
+std::array<uint8_t, AttentionInput::kTraits> packed(const AttentionInput::Traits& traits) {
+  std::array<uint8_t, AttentionInput::kTraits> bytes{};
+  for (size_t i = 0; i < traits.size(); ++i)
+    bytes[i] = static_cast<uint8_t>(std::clamp(std::lround(traits[i] * kParts), 0L, 255L));
+  return bytes;
+}
+
+AttentionInput::Traits unpacked(const std::array<uint8_t, AttentionInput::kTraits>& traits) {
+  AttentionInput::Traits numbers{};
+  for (size_t i = 0; i < traits.size(); ++i) numbers[i] = static_cast<float>(traits[i]) / kParts;
+  return numbers;
+}
+
+Result<ExampleCounts> add_examples(Memory& memory, const ExampleOptions& options,
+                                   const std::stop_token& stop,
+                                   std::vector<AttentionExample>& examples) {
+  DialogueOptions asked = options.dialogues;
+  asked.tells_plainly = true;
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> dialogues, make_dialogues(memory, asked));
+  asked.count.reset();
+  for (const std::filesystem::path& file : options.wordings) {
+    ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> more, make_dialogues_with(memory, asked, file));
+    std::move(more.begin(), more.end(), std::back_inserter(dialogues));
+    ++asked.seed;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(std::unique_ptr<KnownFacts> facts, KnownFacts::read(memory));
+  ExampleMaker maker(std::move(facts));
+  ExampleCounts counts;
+  for (const Dialogue& dialogue : dialogues) {
+    if (stop.stop_requested()) return cancelled("making dialogues was stopped");
+    ENGRAM_RETURN_IF_ERROR(maker.add(dialogue, examples, counts));
+  }
+  return counts;
+}
+
+}  // namespace engram::speech

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "ltm/core/progress.h"
+#include "memory/memory.h"
+#include "speech/attention/attention_input.h"
+#include "speech/dialogues/make_dialogues.h"
+
+namespace engram::speech {
+
+/// A question as numbers, with the program that answers it rightly.
+struct AttentionExample {
+  std::vector<AttentionInput::Word> words;
+  /// Traits in 64ths, which take a quarter of the space.
+  std::vector<std::array<uint8_t, AttentionInput::kTraits>> groups;
+  std::vector<uint32_t> attended;
+  std::vector<int32_t> symbols;  ///< With kEndSymbol.
+  /// For each group: 1 if the program keeps it, 0 if not, 2 if it is of another source.
+  std::vector<uint8_t> main;
+  std::vector<uint8_t> other;  ///< Of the program within; empty: there is none.
+  bool is_held_out = false;    ///< Of wording or name: for measurements.
+};
+
+/// Turns a float that is no trait beyond 0..3.98 to its nearest 64th, and back.
+[[nodiscard]] std::array<uint8_t, AttentionInput::kTraits> packed(
+    const AttentionInput::Traits& traits);
+[[nodiscard]] AttentionInput::Traits unpacked(
+    const std::array<uint8_t, AttentionInput::kTraits>& traits);
+
+/// What became of dialogues.
+struct ExampleCounts {
+  size_t dialogues = 0;
+  size_t refusals = 0;  ///< Examples of what cannot be answered.
+  size_t programs = 0;  ///< Examples with a program.
+  size_t unread = 0;    ///< The grammar does not read, or not rightly, what is asked in own words.
+  size_t unlike = 0;    ///< What the symbols tell of the program has another answer.
+
+  ExampleCounts& operator+=(const ExampleCounts& other) {
+    dialogues += other.dialogues;
+    refusals += other.refusals;
+    programs += other.programs;
+    unread += other.unread;
+    unlike += other.unlike;
+    return *this;
+  }
+};
+
+/// Where examples come from, beside a memory.
+struct ExampleOptions {
+  DialogueOptions dialogues;  ///< `count` is that of the own wordings.
+  /// Files of wordings (docs/dialogues.md); each line is asked once of each memory.
+  std::vector<std::filesystem::path> wordings;
+};
+
+/// Makes dialogues of a memory, and examples of these. The program is that of the grammar for a
+/// plain wording of the same question; it counts only if its answer is the true one, and so is that
+/// of the program that is told by symbols and groups alone.
+/// Errors: those of make_dialogues; kUnavailable if a file cannot be read.
+Result<ExampleCounts> add_examples(Memory& memory, const ExampleOptions& options,
+                                   const std::stop_token& stop,
+                                   std::vector<AttentionExample>& examples);
+
+}  // namespace engram::speech

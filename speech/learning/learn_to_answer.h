@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <stop_token>
+#include <vector>
+
+#include "ltm/core/progress.h"
+#include "ltm/core/time.h"
+#include "speech/learning/dialogue_examples.h"
+
+namespace engram::speech {
+
+struct LearnOptions {
+  Duration budget = std::chrono::minutes(60);
+  int threads = 1;
+  int64_t batch = 48;
+  double learning_rate = 1e-3;
+  uint64_t seed = 1;
+  /// Of what is told, so much is right on wordings that were held out: the least confidence follows
+  /// from it.
+  double min_right = 0.95;
+
+  [[nodiscard]] Status validate() const;
+};
+
+struct LearnReport {
+  size_t examples = 0;
+  size_t held_out = 0;
+  int64_t steps = 0;
+  int64_t parameters = 0;
+  double seconds = 0;
+  double loss = 0;  ///< The mean of the last hundred steps.
+  /// Of the held-out examples: those whose symbols and selection are all right,
+  double read_rightly = 0;
+  /// those that the least confidence lets through, and how many of these are right.
+  double told = 0;
+  double told_rightly = 0;
+  double min_confidence = 1;
+};
+
+/// Trains a network of the route of attention and writes it to `file`. Examples that are held out
+/// take no part in training; the least confidence is measured on them.
+/// Errors: kInvalidArgument if there are fewer than 100 examples, or options do not validate;
+/// kCancelled; kUnavailable.
+/// Threading: one thread that calls; `threads` that compute.
+Result<LearnReport> learn_to_answer(std::vector<AttentionExample> examples,
+                                    const LearnOptions& options, const std::filesystem::path& file,
+                                    const ProgressSink& progress, const std::stop_token& stop);
+
+}  // namespace engram::speech
