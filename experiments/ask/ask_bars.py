@@ -8,8 +8,11 @@ gives each form of question its commonest answer in the other kitchens.
 """
 import argparse
 import collections
+import datetime
 import json
 import pathlib
+import random
+import re
 import subprocess
 import sys
 import time
@@ -63,6 +66,10 @@ def simulate(arguments):
     return list(stores.values())
 
 
+def start_of_day(day):
+    return f"{datetime.date(2026, 3, 1) + datetime.timedelta(days=day)} 09:00:00"
+
+
 def simulate_days(arguments):
     """One store with a kitchen on each day, all of other seeds."""
     store = arguments.work / f"days-{arguments.days}-{arguments.seconds:g}s.engram"
@@ -71,23 +78,65 @@ def simulate_days(arguments):
         for day in range(arguments.days):
             run(arguments.engram, "simulate", "kitchen", store, "--no-images", "--seed",
                 arguments.seeds[0] + day, "--seconds", arguments.seconds, "--progress", "none",
-                "--start", f"2026-03-{1 + day:02} 09:00:00" if day < 31
-                else f"2026-04-{day - 30:02} 09:00:00")
+                "--start", start_of_day(day))
         store.with_suffix(".done").touch()
     return [store]
 
 
 def make_dialogues(arguments, stores):
-    words = ["--phrasings", arguments.phrasings] if arguments.phrasings else []
+    """The questions about each store, and what became of the lines of --phrasings."""
     count = -(-arguments.questions // len(stores))
+    # Of the words of others all that fit are made, and then chosen among the kitchens.
+    words = (["--phrasings", arguments.phrasings] if arguments.phrasings
+             else ["--count", count])
     by_store = {}
     for number, store in enumerate(stores):
-        lines = run(arguments.make_dialogues, store, "--count", count, "--seed",
-                    arguments.seed + number, "--split", arguments.split, "--careless",
-                    arguments.careless, *words)
+        lines = run(arguments.make_dialogues, store, "--seed", arguments.seed + number, "--split",
+                    arguments.split, "--careless", arguments.careless, *words)
         by_store[store] = [json.loads(line) for line in lines.splitlines()]
+    if arguments.phrasings:
+        chosen = chosen_evenly(by_store, arguments.questions, arguments.seed)
+        return chosen, lines_asked(arguments.phrasings, by_store, chosen)
     # The last ones of some kitchens, where the count is no multiple.
-    return trimmed(by_store, arguments.questions)
+    return trimmed(by_store, arguments.questions), None
+
+
+def template_of(dialogue):
+    """The name of its template, without that of the verb: "how_often#w3fa9c1d2"."""
+    return re.match(r"[^#]*#\w+", dialogue["phrasing"]).group()
+
+
+def chosen_evenly(by_store, count, seed):
+    """Takes each template as often as every other one, as far as there are questions of it."""
+    chance = random.Random(seed)
+    by_template = collections.defaultdict(list)
+    for store, dialogues in by_store.items():
+        for one in dialogues:
+            by_template[template_of(one)].append((store, one))
+    queues = list(by_template.values())
+    chance.shuffle(queues)
+    for queue in queues:
+        chance.shuffle(queue)
+    chosen = {store: [] for store in by_store}
+    while count > 0 and any(queues):
+        for queue in filter(None, queues):
+            if count > 0:
+                store, one = queue.pop()
+                chosen[store].append(one)
+                count -= 1
+    return chosen
+
+
+def lines_asked(file, made, chosen):
+    """How many lines of a file of phrasings were asked, and how many fit no kitchen."""
+    lines = [json.loads(line) for line in file.read_text().splitlines() if line.strip()]
+    # Equal lines with a form are one template.
+    count = len({(one["form"], one["question"]) for one in lines if "form" in one})
+    count += sum("form" not in one for one in lines)
+    fitting, asked = ({template_of(one) for dialogues in by_store.values() for one in dialogues}
+                      for by_store in (made, chosen))
+    return {"lines": count, "asked": len(asked), "left_out": len(fitting - asked),
+            "fit_nothing": count - len(fitting)}
 
 
 def trimmed(by_store, count):
@@ -100,9 +149,11 @@ def trimmed(by_store, count):
 
 
 def ask(arguments, store, dialogues):
+    """Asks each at its time, or at the last moment of the store where it has none."""
     file = arguments.work / "questions.jsonl"
-    file.write_text("".join(json.dumps({"question": one["question"], "now": one["now"]}) + "\n"
-                            for one in dialogues))
+    asked = [{name: one[name] for name in ("question", "now") if name in one}
+             for one in dialogues]
+    file.write_text("".join(json.dumps(one) + "\n" for one in asked))
     lines = run(arguments.engram, "ask", store, "--questions", file, "--json",
                 *arguments.ask_options).splitlines()
     answers = [json.loads(line) for line in lines if line.strip()]
@@ -112,13 +163,8 @@ def ask(arguments, store, dialogues):
 
 
 def known_ids(arguments, store):
-    """The IDs of all that an answer may show."""
+    """The IDs of all instances, which answers may show."""
     return set(json.loads(run(arguments.engram, "query", store, "?ids .* @ all", "--json"))["ids"])
-
-
-def is_known(ids, one):
-    """Whether the memory has what an answer shows: an instance, a snapshot or an entity."""
-    return one in ids or any(other.startswith(one + "/") for other in ids)
 
 
 def blind_answers(by_store):
@@ -143,33 +189,41 @@ def percentile(values, share):
     return values[min(len(values) - 1, round(share * (len(values) - 1)))] if values else None
 
 
+def row_of(dialogue, answer, ids, blind):
+    """Figures of one answer. What is said needs evidence that exists, and what is right must be
+    shown by it."""
+    shown = judge.shown(answer)
+    row = {"dialogue": dialogue, "answer": answer,
+           "right": judge.is_right(dialogue, answer), "refused": judge.is_refused(answer),
+           "blind": judge.is_right(dialogue, blind),
+           "has_evidence": bool(shown) and shown <= ids,
+           "knows_later": any(judge.is_later(one, dialogue["now"]) for one in shown & ids),
+           "is_shown": judge.is_shown(dialogue, answer), "took_ms": answer.get("took_ms")}
+    row["right_and_shown"] = bool(row["right"] and row["is_shown"] and row["has_evidence"])
+    return row
+
+
 def judged(arguments, by_store):
-    """A row of figures for each dialogue."""
     blind = blind_answers(by_store)
     rows = []
     for store, dialogues in by_store.items():
         answers = ask(arguments, store, dialogues)
         ids = known_ids(arguments, store)
-        for dialogue, answer in zip(dialogues, answers):
-            shown = judge.shown(answer)
-            rows.append({
-                "dialogue": dialogue, "answer": answer,
-                "right": judge.is_right(dialogue, answer), "refused": judge.is_refused(answer),
-                "blind": judge.is_right(dialogue, blind(store, dialogue)),
-                # What is said needs evidence that exists, and what is right must be shown by it.
-                "has_evidence": bool(shown) and all(is_known(ids, one) for one in shown),
-                "is_shown": judge.is_shown(dialogue, answer),
-                "took_ms": answer.get("took_ms")})
+        rows += [row_of(dialogue, answer, ids, blind(store, dialogue))
+                 for dialogue, answer in zip(dialogues, answers)]
     return rows
+
+
+def hostile_text(line):
+    one = json.loads(line)
+    return one["question"] * one.get("repeat", 1)
 
 
 def hostile(arguments, store):
     """How texts that are no questions to a robot are taken: one of `answered` is worth a look."""
-    texts = [json.loads(line) for line in arguments.hostile.read_text().splitlines() if line]
-    now = "2100-01-01 00:00:00"
-    answers = ask(arguments, store, [{"question": one["question"], "now": now} for one in texts])
-    answered = [one["question"][:80] for one, answer in zip(texts, answers)
-                if not judge.is_refused(answer)]
+    texts = [hostile_text(line) for line in arguments.hostile.read_text().splitlines() if line]
+    answers = ask(arguments, store, [{"question": text} for text in texts])
+    answered = [text[:80] for text, answer in zip(texts, answers) if not judge.is_refused(answer)]
     return {"texts": len(texts), "refused": len(texts) - len(answered), "answered": answered,
             "max_ms": max(answer.get("took_ms") or 0 for answer in answers)}
 
@@ -178,17 +232,23 @@ def share(rows, name):
     return sum(row[name] for row in rows) / len(rows) if rows else None
 
 
+def share_of_groups(rows, name):
+    """Figures of the questions that are alike in a member of their dialogue."""
+    groups = collections.defaultdict(list)
+    for row in rows:
+        groups[row["dialogue"][name]].append(row)
+    return {group: {"questions": len(of), "right": share(of, "right"),
+                    "refused": share(of, "refused"), "blind": share(of, "blind")}
+            for group, of in sorted(groups.items())}
+
+
 def summary(rows):
     answerable = [row for row in rows if row["dialogue"]["answerable"]]
     said = [row for row in rows if not row["refused"]]
-    right = [row for row in said if row["right"]]
+    # What nothing shows, as that nothing happened, cannot be shown by an answer.
+    provable = [row for row in answerable if row["is_shown"] is not None]
     took = [row["took_ms"] for row in rows if row["took_ms"] is not None]
-    families = {}
-    for family in FAMILIES:
-        of = [row for row in rows if row["dialogue"]["family"] == family]
-        if of:
-            families[family] = {"questions": len(of), "right": share(of, "right"),
-                                "refused": share(of, "refused"), "blind": share(of, "blind")}
+    families = share_of_groups(rows, "family")
     held_out = {}
     for what in ("phrasing", "seed", "thing"):
         of = [row for row in answerable if what in row["dialogue"]["held_out"]]
@@ -200,9 +260,12 @@ def summary(rows):
         "unanswerable_refused": share(
             [row for row in rows if not row["dialogue"]["answerable"]], "refused"),
         "said": len(said), "said_with_evidence": share(said, "has_evidence"),
-        "right_and_shown": share(right, "is_shown"),
+        "said_of_later": share(said, "knows_later"),
+        "provable": len(provable), "right_and_shown": share(provable, "right_and_shown"),
+        "right_that_are_shown": share([row for row in provable if row["right"]], "is_shown"),
         "p50_ms": percentile(took, 0.5), "p95_ms": percentile(took, 0.95),
-        "families": families, "held_out": held_out}
+        "families": {one: families[one] for one in FAMILIES if one in families},
+        "forms": share_of_groups(rows, "form"), "held_out": held_out}
 
 
 def percent(value):
@@ -219,8 +282,10 @@ def print_summary(figures):
     rows = [("right, of what can be answered", percent(figures["right"]), "97 %"),
             ("the same, blind", percent(figures["blind"]), "printed"),
             ("refused, of what cannot be", percent(figures["unanswerable_refused"]), "95 %"),
+            ("right, and shown by evidence", percent(figures["right_and_shown"]), "97 %"),
+            ("of the right ones, those shown", percent(figures["right_that_are_shown"]), "printed"),
             ("said with evidence that exists", percent(figures["said_with_evidence"]), "100 %"),
-            ("right, and shown by its evidence", percent(figures["right_and_shown"]), "printed")]
+            ("said by what came after `now`", percent(figures["said_of_later"]), "0 %")]
     for name, ms, bar in (("p50", figures["p50_ms"], 50), ("p95", figures["p95_ms"], 300)):
         rows.append((f"time to answer, {name}", "-" if ms is None else f"{ms:.1f} ms", f"{bar} ms"))
     print()
@@ -242,9 +307,10 @@ def main():
                         help="share of questions in small letters or with letters swapped")
     parser.add_argument("--phrasings", type=pathlib.Path, help="questions in the words of others")
     parser.add_argument("--hostile", type=pathlib.Path,
-                        help="texts that must be refused, JSON lines with a question each")
+                        help="texts that must be refused, JSON lines with a question each, "
+                             "which is said `repeat` times")
     parser.add_argument("--days", type=int, default=0,
-                        help="one store with a kitchen on each of so many days (max 61)")
+                        help="one store with a kitchen on each of so many days")
     parser.add_argument("--jobs", type=int, default=2, help="processes that simulate")
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("build/ask"))
     parser.add_argument("--json", type=pathlib.Path, help="file for the figures")
@@ -253,11 +319,16 @@ def main():
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     stores = simulate_days(arguments) if arguments.days else simulate(arguments)
-    by_store = make_dialogues(arguments, stores)
+    by_store, lines = make_dialogues(arguments, stores)
+    if lines:
+        print("lines of {}: {lines}, asked {asked}, left out by --questions {left_out}, "
+              "fit nothing {fit_nothing}".format(arguments.phrasings, **lines), flush=True)
     rows = judged(arguments, by_store)
     if arguments.rows:
         arguments.rows.write_text("".join(json.dumps(row) + "\n" for row in rows))
     figures = summary(rows)
+    if lines:
+        figures["phrasings"] = lines
     print_summary(figures)
     if arguments.hostile:
         figures["hostile"] = hostile(arguments, stores[0])

@@ -7,8 +7,8 @@ A dialogue is a line of engram_make_dialogues, an answer one of `engram ask --js
 import datetime
 
 MAX_TIME_S = 0.5
-MAX_SHARE = 0.1
-MAX_METRES = 0.05
+# Of seconds and metres; a hair more, for what is 0.1 but for its last bit.
+MAX_AMOUNT = 0.1 + 1e-9
 
 
 def moment(text):
@@ -35,7 +35,7 @@ def shown(answer):
     return set(ids) | set((answer.get("value") or {}).get("links") or [])
 
 
-def is_equal(wanted, dialogue, answer):
+def is_equal(wanted, answer):
     value = answer.get("value") or {"kind": "unknown"}
     kind = wanted["kind"]
     if kind != value.get("kind"):
@@ -43,7 +43,8 @@ def is_equal(wanted, dialogue, answer):
     if kind == "unknown":
         return True
     if kind == "reason":
-        return bool(shown(answer) & (set(dialogue["evidence"]) or set(wanted["links"])))
+        # Its words may be any, so its links must have what is the reason.
+        return bool(set(value.get("links") or []) & set(wanted["links"]))
     if kind == "time":
         return are_near(wanted["value"], value["value"])
     if kind == "span":
@@ -53,21 +54,29 @@ def is_equal(wanted, dialogue, answer):
     if kind == "events":
         return set(wanted["value"]) == set(value["value"])
     if kind in ("seconds", "metres"):
-        slack = MAX_SHARE * abs(wanted["value"])
-        return abs(wanted["value"] - value["value"]) <= max(
-            slack, MAX_METRES if kind == "metres" else 0)
+        return abs(wanted["value"] - value["value"]) <= MAX_AMOUNT
     return wanted["value"] == value["value"]
-
-
-def is_right(dialogue, answer):
-    return any(is_equal(wanted, dialogue, answer)
-               for wanted in [dialogue["value"], *dialogue["also"]])
 
 
 def is_refused(answer):
     return (answer.get("value") or {"kind": "unknown"}).get("kind") == "unknown"
 
 
+def is_right(dialogue, answer):
+    """Not to know is right only where nothing can be known, whatever `also` says."""
+    if dialogue["answerable"] and is_refused(answer):
+        return False
+    return any(is_equal(wanted, answer) for wanted in [dialogue["value"], *dialogue["also"]])
+
+
 def is_shown(dialogue, answer):
-    """Whether the evidence of an answer has what shows it; nothing shows that nothing happened."""
-    return not dialogue["evidence"] or bool(shown(answer) & set(dialogue["evidence"]))
+    """Whether an answer shows what proves it; None where nothing proves it: nothing happened."""
+    if not dialogue["evidence"]:
+        return None
+    return bool(shown(answer) & set(dialogue["evidence"]))
+
+
+def is_later(link, now):
+    """Whether an instance is of after the question, when nobody could know it."""
+    time = link.split("/")[-2]
+    return moment(time) > moment(now) + 1e-6
