@@ -19,8 +19,9 @@ struct Dialogue {
   int64_t seed = 0;      ///< Of the first recording that is asked about.
   Time now{};            ///< When it is asked.
   AnswerValue value{};   ///< Unknown: it cannot be answered.
-  std::vector<AnswerValue> also{};  ///< Other values that are as right.
-  /// An answer must contain at least one of these. Empty: nothing shows that nothing happened.
+  /// Other values that are as right.
+  std::vector<AnswerValue> also{};
+  /// An answer must show at least one of these. Empty: nothing shows that nothing happened.
   std::vector<ltm::MemoryId> evidence{};
   /// What training must not have seen of it: "phrasing", "seed", "thing". Sorted.
   std::vector<std::string> held_out{};

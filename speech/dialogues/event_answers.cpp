@@ -56,10 +56,8 @@ void add_counts(const AnswerList& list, const AskedSpan& span, const Asked& base
   };
   if (has_running) return;
   if (all.size() == done.size()) {
-    KnownAnswer& often = add("how_often", "", count(all), all);
-    KnownAnswer& whether = add("did_you", "", answers::YesNo{!all.empty()}, all);
-    // That nothing is there shows nothing, so not to know is right as well.
-    if (all.empty()) often.also = whether.also = {answers::Unknown{}};
+    add("how_often", "", count(all), all);
+    add("did_you", "", answers::YesNo{!all.empty()}, all);
   } else {
     add("how_often", "any", count(all), all);
     add("how_often", "success", count(done), done.empty() ? all : done);

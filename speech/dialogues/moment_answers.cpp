@@ -163,7 +163,7 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
   }
   KnownAnswer& nothing =
       add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{false}, {});
-  nothing.also = {answers::Unknown{}, answers::Names{}};
+  nothing.also = {answers::Names{}};
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ void add_places_now(const AnswerList& list) {
     }
   KnownAnswer& hands =
       list.add("objects", {.what = "held_now", .when = "now"}, names_of(held), holding);
-  if (held.empty()) hands.also = {answers::Unknown{}, answers::YesNo{false}};
+  if (held.empty()) hands.also = {answers::YesNo{false}};
   if (!visible.empty())
     list.add("objects", {.what = "things_visible", .when = "now"}, names_of(visible), evidence);
   // What was left there in recordings of before may be meant or not, so only one recording is asked

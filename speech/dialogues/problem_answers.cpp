@@ -24,12 +24,11 @@ void add_failed(const AnswerList& list, const std::string& when, const std::stri
     if (words == " today" || words == " yesterday") known.slots["day"] = words.substr(1);
     return known;
   };
-  add("how_many_failures", answers::Count{static_cast<int64_t>(failed.size())}).also =
-      failed.empty() ? std::vector<AnswerValue>{answers::Unknown{}} : std::vector<AnswerValue>{};
+  add("how_many_failures", answers::Count{static_cast<int64_t>(failed.size())});
   if (failed.empty()) {
     // To have been stopped is a problem for some and none for others.
     if (stopped.empty()) {
-      add("any_failure", answers::YesNo{false}).also = {answers::Unknown{}};
+      add("any_failure", answers::YesNo{false});
       if (!all.empty() && are_all_done(all)) {
         KnownAnswer& fine = add("did_everything_succeed", answers::YesNo{true});
         fine.evidence = failure_ids(all);
@@ -65,10 +64,8 @@ void add_failed_things(const AnswerList& list) {
   }
   for (const char* skill : {"pick", "look"}) {
     const Actions failed = with_outcome(list.actions(skill), "failure");
-    KnownAnswer& known =
-        list.add("problems", {.what = "how_many_failures", .skill = skill, .outcome = "failure"},
-                 answers::Count{static_cast<int64_t>(failed.size())}, failure_ids(failed));
-    if (failed.empty()) known.also = {answers::Unknown{}};
+    list.add("problems", {.what = "how_many_failures", .skill = skill, .outcome = "failure"},
+             answers::Count{static_cast<int64_t>(failed.size())}, failure_ids(failed));
   }
   for (const std::string& thing : list.things()) {
     const Actions picks = list.actions("pick", thing);
@@ -109,15 +106,11 @@ void add_interruptions(const AnswerList& list) {
   std::vector<ltm::MemoryId> ids = failure_ids(stopped);
   for (const LivedAction* action : stopped)
     ids.insert(ids.end(), action->stopped_by.begin(), action->stopped_by.end());
-  KnownAnswer& was = list.add("problems", {.what = "was_stopped", .outcome = "stop"},
-                              answers::YesNo{!stopped.empty()}, ids);
-  KnownAnswer& often = list.add("problems", {.what = "how_many_stops", .outcome = "stop"},
-                                answers::Count{static_cast<int64_t>(stopped.size())}, ids);
-  if (stopped.empty()) {
-    was.also = often.also = {answers::Unknown{}};
-    return;
-  }
-  if (stopped.size() > 1) return;
+  list.add("problems", {.what = "was_stopped", .outcome = "stop"}, answers::YesNo{!stopped.empty()},
+           ids);
+  list.add("problems", {.what = "how_many_stops", .outcome = "stop"},
+           answers::Count{static_cast<int64_t>(stopped.size())}, ids);
+  if (stopped.size() != 1) return;
   list.add("problems", {.what = "what_was_stopped", .outcome = "stop"}, events_of(stopped), ids);
   KnownAnswer& when = list.add("problems", {.what = "when_stopped", .outcome = "stop"},
                                answers::Moment{*stopped[0]->ended}, ids);
