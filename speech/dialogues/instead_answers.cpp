@@ -32,25 +32,20 @@ void add_rest(const AnswerList& list, const std::string& suffix, const LivedActi
   // The step itself had begun; some count it as what would have been done.
   const answers::Names rest = names_of(skills_from(*plan, step + 1));
   const answers::Names with_it = names_of(skills_from(*plan, step));
-  const answers::Reason shown{"the rest of the plan", {plan->id}};
   KnownAnswer& all =
       list.add("what_if", {.what = "what_if_not_" + suffix, .thing = thing}, rest, evidence);
-  all.also = {with_it, shown};
+  all.also = {with_it};
   if (thing.empty()) {
-    KnownAnswer& next = list.add("what_if", {.what = "what_next_if_not_" + suffix},
-                                 answers::Names{{plan->steps[step + 1].skill}}, evidence);
-    next.also = {rest, shown};
+    list.add("what_if", {.what = "what_next_if_not_" + suffix},
+             answers::Names{{plan->steps[step + 1].skill}}, evidence);
     return;
   }
-  KnownAnswer& would =
-      list.add("what_if", {.what = "would_have_placed_if_not_" + suffix, .thing = thing},
-               answers::YesNo{plan->steps.back().skill == "place"}, evidence);
-  would.also = {shown};
+  list.add("what_if", {.what = "would_have_placed_if_not_" + suffix, .thing = thing},
+           answers::YesNo{plan->steps.back().skill == "place"}, evidence);
   const LivedStep& last = plan->steps.back();
   if (last.place.empty()) return;
-  KnownAnswer& where = list.add("what_if", {.what = "where_to_if_not_" + suffix, .thing = thing},
-                                answers::Names{{last.place}}, evidence);
-  where.also = {shown};
+  list.add("what_if", {.what = "where_to_if_not_" + suffix, .thing = thing},
+           answers::Names{{last.place}}, evidence);
 }
 
 }  // namespace

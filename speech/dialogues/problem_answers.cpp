@@ -43,7 +43,9 @@ void add_failed(const AnswerList& list, const std::string& when, const std::stri
   Actions both;
   for (const LivedAction* action : all)
     if (action->outcome == "failure" || action->outcome == "stop") both.push_back(action);
-  what.also = {events_of(both), answers::Reason{failed.back()->reason, over_ids(failed)}};
+  what.also = {events_of(both)};
+  // Of a single failure, what was measured says what went wrong.
+  if (both.size() == 1) what.also.push_back(answers::Reason{failed[0]->reason, {*failed[0]->over}});
   add("first_failure", events_of({failed.front()})).asked.which = "first";
   add("last_failure", events_of({failed.back()})).asked.which = "last";
   // Whoever asks when it happened may mean its begin or its end.

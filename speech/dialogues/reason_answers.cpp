@@ -39,7 +39,6 @@ void add_why(const AnswerList& list, const Asked& base) {
 
 void add_stops(const AnswerList& list) {
   const Actions stopped = with_outcome(list.actions("any"), "stop");
-  const Actions finished = list.actions("any");
   if (stopped.empty()) {
     list.add_unknown("never_stopped", {});
     return;
@@ -56,7 +55,7 @@ void add_stops(const AnswerList& list) {
   list.add("explanations", {.what = "why_stopped", .skill = "any", .outcome = "stop"},
            answers::Reason{stopped.back()->reason, causes}, causes);
   for (const LivedAction* action : stopped)
-    if (list.actions(action->skill, action->thing).size() == 1 ||
+    if (!action->stopped_by.empty() &&
         with_outcome(list.actions(action->skill, action->thing), "stop").size() == 1)
       list.add("explanations",
                {.what = "why_stopped_thing",
@@ -71,14 +70,17 @@ void add_stops(const AnswerList& list) {
 /// Why something failed: what was measured at its end.
 void add_failures(const AnswerList& list) {
   const Actions failed = with_outcome(list.actions("any"), "failure");
-  for (const LivedAction* action : failed)
+  for (const LivedAction* action : failed) {
+    // Any of several may be meant, and is asked about once.
+    const Actions alike = with_outcome(list.actions(action->skill, action->thing), "failure");
+    if (alike.back() != action) continue;
     list.add("explanations",
              {.what = "why_failed",
               .skill = action->skill,
               .outcome = "failure",
               .thing = action->thing},
-             answers::Reason{action->reason, {*action->over}},
-             over_ids(with_outcome(list.actions(action->skill, action->thing), "failure")));
+             answers::Reason{action->reason, over_ids(alike)}, over_ids(alike));
+  }
   if (!failed.empty())
     list.add("explanations", {.what = "why_failed_any", .outcome = "failure", .which = "last"},
              answers::Reason{failed.back()->reason, {*failed.back()->over}},
@@ -89,13 +91,13 @@ void add_failures(const AnswerList& list) {
     if (picks.empty()) continue;
     if (are_all_done(picks)) list.add_unknown("never_failed", {.skill = "pick", .thing = thing});
     // The second attempt follows from how the first one ended.
-    if (picks.size() == 2 && picks[0]->plan == picks[1]->plan && picks[0]->over)
-      list.add("explanations", {.what = "why_again", .skill = "pick", .thing = thing},
-               answers::Reason{picks[0]->reason, {*picks[0]->over}}, [&] {
-                 std::vector<ltm::MemoryId> ids{*picks[0]->over, picks[0]->begun};
-                 ids.insert(ids.end(), picks[0]->stopped_by.begin(), picks[0]->stopped_by.end());
-                 return ids;
-               }());
+    if (picks.size() != 2 || picks[0]->plan != picks[1]->plan || !picks[0]->over) continue;
+    std::vector<ltm::MemoryId> links{*picks[0]->over};
+    links.insert(links.end(), picks[0]->stopped_by.begin(), picks[0]->stopped_by.end());
+    std::vector<ltm::MemoryId> shown = links;
+    shown.push_back(picks[0]->begun);
+    list.add("explanations", {.what = "why_again", .skill = "pick", .thing = thing},
+             answers::Reason{picks[0]->reason, std::move(links)}, std::move(shown));
   }
 }
 

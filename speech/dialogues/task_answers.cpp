@@ -16,7 +16,7 @@ void add_task_answers(const AnswerList& list) {
   if (commands.empty()) return;
   const auto add = [&](const char* which, size_t at) {
     list.add("events", {.what = "what_was_asked", .which = which},
-             answers::Reason{commands[at]->text, {commands[at]->id}},
+             answers::Reason{commands[at]->text, {commands[at]->id, plans[at]}},
              {commands[at]->id, plans[at]});
   };
   add("first", 0);
@@ -32,9 +32,7 @@ void add_task_answers(const AnswerList& list) {
   if (last.id == plans.back()) {
     std::vector<std::string> skills;
     for (const LivedStep& step : last.steps) skills.push_back(step.skill);
-    KnownAnswer& steps =
-        list.add("events", {.what = "plan_steps", .which = "last"}, names_of(skills), {last.id});
-    steps.also = {answers::Reason{"the plan", {last.id}}};
+    list.add("events", {.what = "plan_steps", .which = "last"}, names_of(skills), {last.id});
     list.add("events", {.what = "how_many_plan_steps", .which = "last"},
              answers::Count{static_cast<int64_t>(last.steps.size())}, {last.id});
   }
