@@ -24,10 +24,6 @@ double driven_m(const LivedPast& past, Time from, Time to) {
   return way;
 }
 
-std::vector<ltm::MemoryId> both_ids(const LivedAction& action) {
-  return {action.begun, *action.over};
-}
-
 /// What is told of one execution; `which` says which of several.
 void add_details(const AnswerList& list, const Asked& base, const char* which,
                  const LivedAction& action) {
@@ -39,12 +35,12 @@ void add_details(const AnswerList& list, const Asked& base, const char* which,
     return one;
   };
   KnownAnswer& lasted = list.add("action_detail", asked("how_long"),
-                                 answers::Seconds{action.seconds()}, both_ids(action));
+                                 answers::Seconds{action.seconds()}, all_ids({&action}));
   lasted.also = {answers::Span{.from = action.started, .to = *action.ended}};
   if (action.skill == "navigate") {
     const double way = driven_m(list.past, action.started, *action.ended);
     if (way > kDrive_m)
-      list.add("action_detail", asked("how_far_driven"), answers::Metres{way}, both_ids(action));
+      list.add("action_detail", asked("how_far_driven"), answers::Metres{way}, all_ids({&action}));
   }
 }
 
@@ -58,27 +54,22 @@ void add_handling(const AnswerList& list, const std::string& skill, const std::s
     hands.insert(action->hand);
     places.insert(action->place);
   }
-  const auto ids = [&] {
-    std::vector<ltm::MemoryId> found = begun_ids(all);
-    for (const ltm::MemoryId& id : over_ids(all)) found.push_back(id);
-    return found;
-  };
   if (hands.size() == 1 && !hands.begin()->empty()) {
     KnownAnswer& known =
         list.add("action_detail", {.what = "which_hand", .skill = skill, .thing = thing},
-                 answers::Names{{*hands.begin()}}, ids());
+                 answers::Names{{*hands.begin()}}, all_ids(all));
     known.also = {answers::Names{{*hands.begin() + " hand"}}};
     for (const char* hand : {"left", "right"}) {
       KnownAnswer& was =
           list.add("action_detail", {.what = "was_hand", .skill = skill, .thing = thing},
-                   answers::YesNo{hand == *hands.begin()}, ids());
+                   answers::YesNo{hand == *hands.begin()}, all_ids(all));
       was.slots["hand"] = hand;
     }
   }
   if (places.size() == 1 && !places.begin()->empty())
     list.add("action_detail",
              {.what = skill == "pick" ? "from_where" : "to_where", .skill = skill, .thing = thing},
-             answers::Names{{*places.begin()}}, ids());
+             answers::Names{{*places.begin()}}, all_ids(all));
 }
 
 void add_comparisons(const AnswerList& list) {
@@ -117,7 +108,7 @@ void add_extremes(const AnswerList& list) {
   const auto add = [&](const char* skill) {
     if (sorted.size() > 1 && sorted[0]->seconds() > sorted[1]->seconds() + kClearly_s)
       list.add("action_detail", {.what = "longest_event", .skill = skill}, events_of({sorted[0]}),
-               both_ids(*sorted[0]));
+               all_ids({sorted[0]}));
   };
   add("any");
   std::erase_if(sorted, [](const LivedAction* one) { return one->skill != "navigate"; });
@@ -133,9 +124,9 @@ void add_ends_of_drives(const AnswerList& list) {
       add_details(list, {.skill = "navigate"}, "last", *drives.back());
     }
     list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "first"},
-             answers::Names{{drives.front()->place}}, both_ids(*drives.front()));
+             answers::Names{{drives.front()->place}}, all_ids({drives.front()}));
     list.add("action_detail", {.what = "to_where", .skill = "navigate", .which = "last"},
-             answers::Names{{drives.back()->place}}, both_ids(*drives.back()));
+             answers::Names{{drives.back()->place}}, all_ids({drives.back()}));
   }
   const auto add_since = [&](const Actions& all, Asked asked) {
     if (all.empty() || all.back()->outcome != "success") return;
@@ -143,7 +134,7 @@ void add_ends_of_drives(const AnswerList& list) {
     asked.which = "last";
     KnownAnswer& since = list.add("action_detail", asked,
                                   answers::Seconds{to_seconds(list.now - *all.back()->ended)},
-                                  both_ids(*all.back()));
+                                  all_ids({all.back()}));
     since.also = {answers::Seconds{to_seconds(list.now - all.back()->started)}};
   };
   for (const std::string& thing : list.things())

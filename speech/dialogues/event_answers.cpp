@@ -178,7 +178,8 @@ void add_things_done(const AnswerList& list) {
 }  // namespace
 
 void add_event_answers(const AnswerList& list, uint64_t seed) {
-  for (const AskedSpan& span : asked_spans(list, seed)) {
+  const std::vector<AskedSpan> spans = asked_spans(list, seed);
+  for (const AskedSpan& span : spans) {
     add_what_was_done(list, span);
     for (const std::string& thing : list.things())
       for (const char* skill : {"look", "pick", "place"})
@@ -192,7 +193,7 @@ void add_event_answers(const AnswerList& list, uint64_t seed) {
       add_counts(list, span, {.skill = skill});
   }
   add_neighbours(list);
-  for (const AskedSpan& span : asked_spans(list, seed))
+  for (const AskedSpan& span : spans)
     if (span.when == "all" || span.when == "{day}") add_ends(list, span);
   for (const char* skill : {"pick", "place"}) {
     add_things_at_ends(list, skill, "");

@@ -56,6 +56,12 @@ std::vector<ltm::MemoryId> over_ids(const Actions& actions) {
   return ids;
 }
 
+std::vector<ltm::MemoryId> all_ids(const Actions& actions) {
+  std::vector<ltm::MemoryId> ids = begun_ids(actions);
+  for (ltm::MemoryId& id : over_ids(actions)) ids.push_back(std::move(id));
+  return ids;
+}
+
 AnswerValue events_of(const Actions& actions) {
   return answers::Events{begun_ids(actions)};
 }

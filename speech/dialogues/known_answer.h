@@ -69,7 +69,7 @@ struct AnswerList {
   [[nodiscard]] bool is_present() const;
   /// The names of the things that were seen, in order.
   [[nodiscard]] std::vector<std::string> things() const;
-  /// The indices of the executions of a skill ("any": of all) with a thing and at a place; empty
+  /// The executions of a skill ("any": of all) with a thing and at a place; empty
   /// names fit all.
   [[nodiscard]] Actions actions(const std::string& skill, const std::string& thing = {},
                                 const std::string& place = {}) const;
@@ -87,6 +87,7 @@ void add_instead_answers(const AnswerList& list);
 
 [[nodiscard]] std::vector<ltm::MemoryId> begun_ids(const Actions& actions);
 [[nodiscard]] std::vector<ltm::MemoryId> over_ids(const Actions& actions);
+[[nodiscard]] std::vector<ltm::MemoryId> all_ids(const Actions& actions);
 [[nodiscard]] AnswerValue events_of(const Actions& actions);
 /// The actions with this outcome.
 [[nodiscard]] Actions with_outcome(const Actions& actions, const std::string& outcome);

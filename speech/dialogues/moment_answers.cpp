@@ -173,11 +173,9 @@ void add_moment_answers(const AnswerList& list, uint64_t seed) {
     if (const LivedAction* action = action_around(list.past, moment.time); action != nullptr) {
       add_at(list, moment, {.what = "doing_at", .skill = "any"}, events_of({action}),
              {action->begun});
-      if (action->skill == "pick" || action->skill == "place") {
-        KnownAnswer& with = add_at(list, moment, {.what = "handled_at"},
-                                   answers::Names{{action->thing}}, {action->begun});
-        with.evidence.push_back(action->begun);
-      }
+      if (action->skill == "pick" || action->skill == "place")
+        add_at(list, moment, {.what = "handled_at"}, answers::Names{{action->thing}},
+               {action->begun});
       for (const char* skill : {"navigate", "pick"})
         add_at(list, moment, {.what = "was_doing_at", .skill = skill},
                answers::YesNo{action->skill == skill}, {action->begun});

@@ -7,19 +7,13 @@ namespace engram::speech::dialogues {
 
 namespace {
 
-std::vector<ltm::MemoryId> failure_ids(const Actions& failed) {
-  std::vector<ltm::MemoryId> ids = over_ids(failed);
-  for (const ltm::MemoryId& id : begun_ids(failed)) ids.push_back(id);
-  return ids;
-}
-
 void add_failed(const AnswerList& list, const std::string& when, const std::string& words,
                 const Actions& all) {
   const Actions failed = with_outcome(all, "failure");
   const Actions stopped = with_outcome(all, "stop");
   const auto add = [&](const char* what, AnswerValue value) -> KnownAnswer& {
     KnownAnswer& known = list.add("problems", {.what = what, .outcome = "failure", .when = when},
-                                  std::move(value), failure_ids(failed));
+                                  std::move(value), all_ids(failed));
     known.slots["when"] = words;
     if (words == " today" || words == " yesterday") known.slots["day"] = words.substr(1);
     return known;
@@ -31,7 +25,7 @@ void add_failed(const AnswerList& list, const std::string& when, const std::stri
       add("any_failure", answers::YesNo{false});
       if (!all.empty() && are_all_done(all)) {
         KnownAnswer& fine = add("did_everything_succeed", answers::YesNo{true});
-        fine.evidence = failure_ids(all);
+        fine.evidence = all_ids(all);
       }
     }
     return;
@@ -62,12 +56,12 @@ void add_failed_things(const AnswerList& list) {
     for (const LivedAction* action : failed) names.push_back(action->thing);
     if (!names.empty())
       list.add("problems", {.what = "things_failed", .skill = skill, .outcome = "failure"},
-               names_of(names), failure_ids(failed));
+               names_of(names), all_ids(failed));
   }
   for (const char* skill : {"pick", "look"}) {
     const Actions failed = with_outcome(list.actions(skill), "failure");
     list.add("problems", {.what = "how_many_failures", .skill = skill, .outcome = "failure"},
-             answers::Count{static_cast<int64_t>(failed.size())}, failure_ids(failed));
+             answers::Count{static_cast<int64_t>(failed.size())}, all_ids(failed));
   }
   for (const std::string& thing : list.things()) {
     const Actions picks = list.actions("pick", thing);
@@ -83,9 +77,9 @@ void add_failed_things(const AnswerList& list) {
     // Whoever was only stopped did not fail, and did not succeed.
     if (failed.size() + done.size() == picks.size())
       list.add("problems", asked("did_fail"), answers::YesNo{!failed.empty()},
-               failed.empty() ? failure_ids(done) : failure_ids(failed));
+               failed.empty() ? all_ids(done) : all_ids(failed));
     list.add("problems", asked("succeeded_eventually"),
-             answers::YesNo{picks.back()->outcome == "success"}, failure_ids(picks));
+             answers::YesNo{picks.back()->outcome == "success"}, all_ids(picks));
     // Of several tasks nobody knows which one is meant.
     if (picks.front()->plan == picks.back()->plan)
       list.add("problems", asked("how_many_attempts"),
@@ -97,7 +91,7 @@ void add_failed_things(const AnswerList& list) {
       if (action->started > first->started && action->plan == first->plan) later.push_back(action);
     // Whether a try of another task is meant, nobody knows.
     if (later.empty() && picks.back() != first) continue;
-    std::vector<ltm::MemoryId> evidence = failure_ids(failed);
+    std::vector<ltm::MemoryId> evidence = all_ids(failed);
     for (const ltm::MemoryId& id : begun_ids(later)) evidence.push_back(id);
     list.add("problems", asked("retried"), answers::YesNo{!later.empty()}, evidence);
   }
@@ -105,7 +99,7 @@ void add_failed_things(const AnswerList& list) {
 
 void add_interruptions(const AnswerList& list) {
   const Actions stopped = with_outcome(list.actions("any"), "stop");
-  std::vector<ltm::MemoryId> ids = failure_ids(stopped);
+  std::vector<ltm::MemoryId> ids = all_ids(stopped);
   for (const LivedAction* action : stopped)
     ids.insert(ids.end(), action->stopped_by.begin(), action->stopped_by.end());
   list.add("problems", {.what = "was_stopped", .outcome = "stop"}, answers::YesNo{!stopped.empty()},
