@@ -15,6 +15,8 @@ namespace engram::speech::dialogues {
 namespace {
 
 constexpr double kMaxStandHeight_m = 0.3;
+/// How far from the edge of a place something must stand: nobody then disputes that it is there.
+constexpr double kClearlyOn_m = 0.02;
 constexpr Duration kMaxSightAge = std::chrono::milliseconds(500);
 
 /// The members of one value, read with errors that name the value.
@@ -291,9 +293,14 @@ const LivedSight* LivedPast::sight_at(const std::string& thing, Time time) const
   return time - sight.time > kMaxSightAge ? nullptr : &sight;
 }
 
-std::string LivedPast::place_below(const Eigen::Vector3d& point) const {
-  for (const auto& [name, place] : places)
-    if (place.carries(point)) return name;
+std::string LivedPast::place_below(const LivedSight& sight) const {
+  if (!sight.held_by.empty()) return {};
+  for (auto [name, place] : places) {
+    if (!place.carries(sight.at)) continue;
+    place.depth_m -= 2 * kClearlyOn_m;
+    place.width_m -= 2 * kClearlyOn_m;
+    return place.carries(sight.at) ? name : std::string();
+  }
   return {};
 }
 

@@ -77,7 +77,7 @@ struct LivedStand {
   Eigen::Vector2d at{0, 0};  ///< Frame: world.
 };
 
-/// All that questions are about. Lists are in the order of time.
+/// All that questions are about. Lists are in the order of time, those of several entities, too.
 ///
 /// Threading: immutable once it is read.
 struct LivedPast {
@@ -103,8 +103,9 @@ struct LivedPast {
   [[nodiscard]] const LivedWords* command_of(const LivedAction& action) const;
   /// The last sight of a thing at or before a time, at most half a second old; null: none.
   [[nodiscard]] const LivedSight* sight_at(const std::string& thing, Time time) const;
-  /// The name of the place that something stands on; empty: none.
-  [[nodiscard]] std::string place_below(const Eigen::Vector3d& point) const;
+  /// The name of the place that a thing stands on so far from the edge that nobody disputes it;
+  /// empty: none, or it is held.
+  [[nodiscard]] std::string place_below(const LivedSight& sight) const;
 };
 
 }  // namespace engram::speech::dialogues

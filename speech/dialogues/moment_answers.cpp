@@ -117,11 +117,35 @@ KnownAnswer& add_at(const AnswerList& list, const AskedMoment& moment, Asked ask
   return known;
 }
 
+using NamedIds = std::vector<std::pair<std::string, ltm::MemoryId>>;
+
+std::pair<std::vector<std::string>, std::vector<ltm::MemoryId>> unzipped(const NamedIds& all) {
+  std::vector<std::string> names;
+  std::vector<ltm::MemoryId> ids;
+  for (const auto& [name, id] : all) {
+    names.push_back(name);
+    ids.push_back(id);
+  }
+  return {std::move(names), std::move(ids)};
+}
+
+void add_held_at(const AnswerList& list, const AskedMoment& moment, const NamedIds& held) {
+  if (held.empty()) {
+    add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{false}, {}).also = {
+        answers::Names{}};
+    return;
+  }
+  const auto [names, ids] = unzipped(held);
+  add_at(list, moment, {.what = "held_at"}, names_of(names), ids);
+  add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{true}, ids).also = {
+      names_of(names)};
+}
+
 void add_things_at(const AnswerList& list, const AskedMoment& moment) {
-  std::vector<std::string> held;
-  std::vector<ltm::MemoryId> shown;
-  std::map<std::string, std::vector<std::pair<std::string, ltm::MemoryId>>> standing;
+  NamedIds held;
+  std::map<std::string, NamedIds> standing;
   bool is_known = true;
+  bool is_clear = list.past.recordings.size() == 1;
   for (const std::string& thing : list.things()) {
     const LivedSight* sight = sight_around(list.past, thing, moment.time);
     if (sight == nullptr) {
@@ -129,8 +153,7 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
       continue;
     }
     if (!sight->held_by.empty()) {
-      held.push_back(thing);
-      shown.push_back(sight->id);
+      held.emplace_back(thing, sight->id);
       continue;
     }
     const LivedSight* before = list.past.sight_at(thing, moment.time - kAround);
@@ -138,32 +161,20 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
     if (before->is_visible == sight->is_visible && after->is_visible == sight->is_visible)
       add_at(list, moment, {.what = "was_visible_at", .thing = thing},
              answers::YesNo{sight->is_visible}, {sight->id, before->id, after->id});
-    const std::string place = list.past.place_below(sight->at);
-    if (!place.empty()) standing[place].emplace_back(thing, sight->id);
-    if (!place.empty())
-      add_at(list, moment, {.what = "where_thing_at", .thing = thing}, answers::Names{{place}},
-             {sight->id});
+    const std::string place = list.past.place_below(*sight);
+    is_clear = is_clear && !place.empty();
+    if (place.empty()) continue;
+    standing[place].emplace_back(thing, sight->id);
+    add_at(list, moment, {.what = "where_thing_at", .thing = thing}, answers::Names{{place}},
+           {sight->id});
   }
   if (!is_known) return;
+  add_held_at(list, moment, held);
+  if (!is_clear) return;
   for (const auto& [place, things] : standing) {
-    std::vector<std::string> names;
-    std::vector<ltm::MemoryId> ids;
-    for (const auto& [thing, id] : things) {
-      names.push_back(thing);
-      ids.push_back(id);
-    }
-    if (list.past.recordings.size() == 1)
-      add_at(list, moment, {.what = "things_on_place_at", .place = place}, names_of(names), ids);
+    const auto [names, ids] = unzipped(things);
+    add_at(list, moment, {.what = "things_on_place_at", .place = place}, names_of(names), ids);
   }
-  if (!held.empty()) {
-    add_at(list, moment, {.what = "held_at"}, names_of(held), shown);
-    add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{true}, shown).also = {
-        names_of(held)};
-    return;
-  }
-  KnownAnswer& nothing =
-      add_at(list, moment, {.what = "was_holding_at"}, answers::YesNo{false}, {});
-  nothing.also = {answers::Names{}};
 }
 
 }  // namespace

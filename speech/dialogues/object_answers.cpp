@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "speech/dialogues/known_answer.h"
 
@@ -9,8 +9,6 @@ namespace engram::speech::dialogues {
 
 namespace {
 
-/// How far from the edge of a place something must stand: nobody then disputes that it is there.
-constexpr double kClearlyOn_m = 0.02;
 /// A thing that moved by less stands where it stood, or was pushed aside.
 constexpr double kMoved_m = 0.3;
 constexpr double kStayed_m = 0.05;
@@ -29,13 +27,7 @@ std::vector<std::pair<std::string, const LivedSight*>> present_things(const Answ
 }
 
 bool is_clearly_somewhere(const LivedPast& past, const LivedSight& sight) {
-  if (!sight.held_by.empty()) return true;
-  const std::string place = past.place_below(sight.at);
-  if (place.empty()) return false;
-  LivedPlace smaller = past.places.at(place);
-  smaller.depth_m -= 2 * kClearlyOn_m;
-  smaller.width_m -= 2 * kClearlyOn_m;
-  return smaller.carries(sight.at);
+  return !sight.held_by.empty() || !past.place_below(sight).empty();
 }
 
 /// Who holds a thing: a hand, or nobody.
@@ -53,7 +45,7 @@ void add_who_holds(const AnswerList& list, const std::string& thing, const Lived
 
 void add_where_now(const AnswerList& list, const std::string& thing, const LivedSight& sight) {
   if (sight.held_by.empty()) {
-    const std::string place = list.past.place_below(sight.at);
+    const std::string place = list.past.place_below(sight);
     list.add("objects", {.what = "where_now", .when = "now", .thing = thing}, place_value(place),
              {sight.id});
     for (const auto& [other, pose] : list.past.places)
@@ -107,7 +99,7 @@ void add_places_now(const AnswerList& list) {
     std::vector<std::string> standing;
     std::vector<ltm::MemoryId> shown;
     for (const auto& [thing, sight] : present)
-      if (sight->held_by.empty() && list.past.place_below(sight->at) == place) {
+      if (sight->held_by.empty() && list.past.place_below(*sight) == place) {
         standing.push_back(thing);
         shown.push_back(sight->id);
       }
@@ -121,22 +113,42 @@ void add_places_now(const AnswerList& list) {
   }
 }
 
+/// Where a thing was seen. Whoever asks that wants to find it, so the last place is an answer, and
+/// so are all of them.
+void add_where_seen(const AnswerList& list, const std::string& thing,
+                    const std::vector<const LivedSight*>& seen) {
+  std::map<std::string, ltm::MemoryId> last_sights;
+  for (const LivedSight* sight : seen) {
+    if (!sight->held_by.empty()) continue;
+    const std::string place = list.past.place_below(*sight);
+    // Where it cannot be said of each sight, all of them cannot be told.
+    if (place.empty()) return;
+    last_sights.insert_or_assign(place, sight->id);
+  }
+  if (!seen.back()->held_by.empty()) return;
+  const std::string last = list.past.place_below(*seen.back());
+  std::vector<std::string> places;
+  std::vector<ltm::MemoryId> evidence;
+  for (const auto& [place, id] : last_sights) {
+    places.push_back(place);
+    evidence.push_back(id);
+  }
+  KnownAnswer& where = list.add("objects", {.what = "where_seen", .thing = thing},
+                                place_value(last), std::move(evidence));
+  where.also = {names_of(std::move(places))};
+}
+
 void add_sights(const AnswerList& list, const std::string& thing,
                 const std::vector<LivedSight>& sights) {
-  const LivedSight* first = nullptr;
-  const LivedSight* last = nullptr;
-  std::vector<std::string> places;
-  for (const LivedSight& sight : sights) {
-    if (!sight.is_visible) continue;
-    if (first == nullptr) first = &sight;
-    last = &sight;
-    if (sight.held_by.empty() && is_clearly_somewhere(list.past, sight))
-      places.push_back(list.past.place_below(sight.at));
-  }
-  if (first == nullptr) {
+  std::vector<const LivedSight*> seen;
+  for (const LivedSight& sight : sights)
+    if (sight.is_visible) seen.push_back(&sight);
+  if (seen.empty()) {
     list.add_unknown("never_seen", {.when = "all", .thing = thing});
     return;
   }
+  const LivedSight* first = seen.front();
+  const LivedSight* last = seen.back();
   list.add("objects", {.what = "when_seen_first", .which = "first", .thing = thing},
            answers::Moment{first->time}, {first->id});
   // "Now" is a better answer to when something was seen that is still in sight.
@@ -148,14 +160,10 @@ void add_sights(const AnswerList& list, const std::string& thing,
   }
   list.add("objects", {.what = "was_seen", .thing = thing}, answers::YesNo{true},
            {first->id, last->id});
-  if (!last->held_by.empty() || !is_clearly_somewhere(list.past, *last)) return;
-  const std::string place = list.past.place_below(last->at);
-  list.add("objects", {.what = "where_last_seen", .which = "last", .thing = thing},
-           place_value(place), {last->id});
-  if (places.empty()) return;
-  KnownAnswer& seen =
-      list.add("objects", {.what = "where_seen", .thing = thing}, names_of(places), {last->id});
-  seen.also = {place_value(place)};
+  if (const std::string place = list.past.place_below(*last); !place.empty())
+    list.add("objects", {.what = "where_last_seen", .which = "last", .thing = thing},
+             place_value(place), {last->id});
+  add_where_seen(list, thing, seen);
 }
 
 void add_moves(const AnswerList& list, const std::string& thing,

@@ -40,8 +40,11 @@ void add_failed(const AnswerList& list, const std::string& when, const std::stri
   what.also = {events_of(both)};
   // Of a single failure, what was measured says what went wrong.
   if (both.size() == 1) what.also.push_back(answers::Reason{failed[0]->reason, {*failed[0]->over}});
-  add("first_failure", events_of({failed.front()})).asked.which = "first";
-  add("last_failure", events_of({failed.back()})).asked.which = "last";
+  // Of a single one nobody would ask which was the first.
+  if (failed.size() > 1) {
+    add("first_failure", events_of({failed.front()})).asked.which = "first";
+    add("last_failure", events_of({failed.back()})).asked.which = "last";
+  }
   // Whoever asks when it happened may mean its begin or its end.
   KnownAnswer& when_first = add("when_first_failure", answers::Moment{*failed.front()->ended});
   when_first.asked.which = "first";
