@@ -30,7 +30,7 @@ std::string to_json_line(const Dialogue& dialogue) {
                                     {"evidence", evidence},
                                     {"answerable", !is_unknown(dialogue.value)},
                                     {"held_out", dialogue.held_out}};
-  return line.dump();
+  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 bool is_seed_held_out(int64_t seed) {

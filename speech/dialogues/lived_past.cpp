@@ -14,6 +14,10 @@ namespace engram::speech::dialogues {
 
 namespace {
 
+constexpr int64_t kMaxSeed = int64_t{1} << 62;
+constexpr double kMaxRecording_s = 366.0 * 24 * 3600;
+/// Times end in 2262, so that there is room for a recording, and for the day after it.
+constexpr Time kMaxTime{std::chrono::seconds(7'258'118'400)};
 constexpr double kMaxStandHeight_m = 0.3;
 /// How far from the edge of a place something must stand: nobody then disputes that it is there.
 constexpr double kClearlyOn_m = 0.02;
@@ -38,17 +42,35 @@ class LivedValue {
     if (!number) return wrong(member, "a number");
     return *number;
   }
+  /// A number without a fraction, from 0 to `max`.
+  Result<int64_t> integer(std::string_view member, int64_t max) const {
+    ENGRAM_ASSIGN_OR_RETURN(const double found, number(member));
+    if (!(found >= 0 && found <= static_cast<double>(max)) || found != std::floor(found))
+      return wrong(member, fmt::format("an integer of 0 to {}", max));
+    return static_cast<int64_t>(found);
+  }
   /// Nothing if the member is missing or empty.
   [[nodiscard]] std::optional<ltm::MemoryId> link(std::string_view member) const {
     const auto* found = find<std::string>(member);
     return found == nullptr ? std::nullopt : id_in(*found);
   }
-  [[nodiscard]] std::vector<ltm::MemoryId> links(std::string_view member) const {
+  /// A link to an instance, which has a time.
+  Result<ltm::MemoryId> instance(std::string_view member) const {
+    auto found = link(member);
+    if (!found || !found->time()) return wrong(member, "a link to an instance");
+    return *std::move(found);
+  }
+  /// Links to instances; none if the member is missing.
+  Result<std::vector<ltm::MemoryId>> instances(std::string_view member) const {
     std::vector<ltm::MemoryId> ids;
-    if (const auto* list = find<idf::List>(member); list != nullptr)
-      for (const idf::Data& one : *list)
-        if (const auto* text = one.get_if<std::string>(); text != nullptr)
-          if (auto id = id_in(*text)) ids.push_back(*std::move(id));
+    const auto* list = find<idf::List>(member);
+    if (list == nullptr) return ids;
+    for (const idf::Data& one : *list) {
+      const auto* text = one.get_if<std::string>();
+      auto id = text == nullptr ? std::nullopt : id_in(*text);
+      if (!id || !id->time()) return wrong(member, "a list of links to instances");
+      ids.push_back(*std::move(id));
+    }
     return ids;
   }
   Result<Eigen::Isometry3d> pose(std::string_view member) const {
@@ -58,6 +80,11 @@ class LivedValue {
     if (found == nullptr || !typed::read(*found, kType, pose)) return wrong(member, "a pose");
     return pose.isometry();
   }
+  [[nodiscard]] Status wrong(std::string_view member, std::string_view needed) const {
+    const idf::Data* found = data_.at(member);
+    return invalid_argument("'{}': member '{}' is {}, needs {}", id_.printable(), member,
+                            found == nullptr ? "missing" : found->kind_name(), needed);
+  }
   template <typename T>
   [[nodiscard]] const T* find(std::string_view member) const {
     const idf::Data* found = data_.at(member);
@@ -65,11 +92,6 @@ class LivedValue {
   }
 
  private:
-  [[nodiscard]] Status wrong(std::string_view member, std::string_view needed) const {
-    const idf::Data* found = data_.at(member);
-    return invalid_argument("'{}': member '{}' is {}, needs {}", id_.printable(), member,
-                            found == nullptr ? "missing" : found->kind_name(), needed);
-  }
   static std::optional<ltm::MemoryId> id_in(const std::string& text) {
     if (text.empty()) return {};
     auto id = ltm::MemoryId::parse(text);
@@ -109,7 +131,9 @@ class PastReader {
     ENGRAM_RETURN_IF_ERROR(read_sights());
     ENGRAM_RETURN_IF_ERROR(read_words_and_plans());
     ENGRAM_RETURN_IF_ERROR(read_actions());
-    return read_stands();
+    ENGRAM_RETURN_IF_ERROR(read_stands());
+    sort_by_time();
+    return {};
   }
 
  private:
@@ -117,10 +141,14 @@ class PastReader {
     ENGRAM_RETURN_IF_ERROR(
         visit_all(memory_, "Simulation/Recording", [&](const LivedValue& value) -> Status {
           ENGRAM_ASSIGN_OR_RETURN(const double seconds, value.number("seconds"));
-          ENGRAM_ASSIGN_OR_RETURN(const double seed, value.number("seed"));
+          ENGRAM_ASSIGN_OR_RETURN(const int64_t seed, value.integer("seed", kMaxSeed));
+          if (!(seconds >= 1 && seconds <= kMaxRecording_s))
+            return value.wrong("seconds", fmt::format("1 to {} s", kMaxRecording_s));
+          if (value.time() < Time() || value.time() > kMaxTime)
+            return invalid_argument("'{}': needs a time of 1970 to 2200", value.id().printable());
           // The last sample comes 10 ms before the end.
           ENGRAM_ASSIGN_OR_RETURN(const Duration length, duration_from_seconds(seconds - 0.01));
-          if (past_.recordings.empty()) past_.seed = std::llround(seed);
+          if (past_.recordings.empty()) past_.seed = seed;
           past_.recordings.emplace_back(value.time(), value.time() + length);
           return {};
         }));
@@ -194,51 +222,79 @@ class PastReader {
   }
 
   Status read_actions() {
-    constexpr std::array kOutcomes{"running", "success", "failure", "stop", "lost"};
-    constexpr int kBegun = 0;
-    constexpr int kOver = 2;
+    constexpr int64_t kBegun = 0;
+    constexpr int64_t kOver = 2;
     std::map<ltm::MemoryId, LivedAction> begun;
     ENGRAM_RETURN_IF_ERROR(
         visit_all(memory_, "Skill/Event/robot", [&](const LivedValue& value) -> Status {
-          ENGRAM_ASSIGN_OR_RETURN(const double stage, value.number("stage"));
-          const auto execution = value.link("execution");
-          const bool is_begin = std::lround(stage) == kBegun;
-          if (!is_begin && (!execution || std::lround(stage) != kOver)) return {};
-          LivedAction& action = begun[is_begin ? value.id() : *execution];
-          ENGRAM_ASSIGN_OR_RETURN(const double outcome, value.number("outcome"));
-          ENGRAM_ASSIGN_OR_RETURN(const std::string skill, value.text("skill"));
-          if (is_begin) action.begun = value.id();
-          action.started = *(is_begin ? value.id() : *execution).time();
-          action.skill = skill.substr(skill.find('/') + 1);
-          action.outcome = kOutcomes.at(static_cast<size_t>(std::lround(outcome)));
-          if (!is_begin) {
-            action.over = value.id();
-            action.ended = value.time();
-            action.stopped_by = value.links("stopped_by");
-            ENGRAM_ASSIGN_OR_RETURN(action.reason, value.text("reason"));
-          }
-          action.thing = spoken(value.link("object_before"));
-          action.place = spoken(value.link("surface"));
-          action.plan = value.link("plan");
-          ENGRAM_ASSIGN_OR_RETURN(action.hand, value.text("hand"));
-          return {};
+          ENGRAM_ASSIGN_OR_RETURN(const int64_t stage, value.integer("stage", kOver));
+          if (stage == kBegun) return read_begin(value, begun[value.id()]);
+          if (stage != kOver) return {};
+          ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId execution, value.instance("execution"));
+          return read_end(value, begun[execution]);
         }));
-    for (auto& [id, action] : begun) past_.actions.push_back(std::move(action));
-    std::sort(past_.actions.begin(), past_.actions.end(),
-              [](const LivedAction& a, const LivedAction& b) { return a.started < b.started; });
+    for (auto& [id, action] : begun) {
+      if (!action.begun.has_entity())
+        return invalid_argument("'{}': needs an event at which it began", id.printable());
+      if (action.ended && *action.ended < action.started)
+        return invalid_argument("'{}': ended at {}, before it began", id.printable(),
+                                to_string(*action.ended));
+      past_.actions.push_back(std::move(action));
+    }
+    return {};
+  }
+
+  Status read_begin(const LivedValue& value, LivedAction& action) {
+    action.begun = value.id();
+    action.started = value.time();
+    return read_about(value, action);
+  }
+
+  Status read_end(const LivedValue& value, LivedAction& action) {
+    constexpr std::array kOutcomes{"running", "success", "failure", "stop", "lost"};
+    ENGRAM_ASSIGN_OR_RETURN(const int64_t outcome, value.integer("outcome", kOutcomes.size() - 1));
+    if (outcome == 0) return value.wrong("outcome", "one of what ended");
+    action.outcome = kOutcomes.at(static_cast<size_t>(outcome));
+    action.over = value.id();
+    action.ended = value.time();
+    ENGRAM_ASSIGN_OR_RETURN(action.stopped_by, value.instances("stopped_by"));
+    ENGRAM_ASSIGN_OR_RETURN(action.reason, value.text("reason"));
+    return read_about(value, action);
+  }
+
+  /// What both events of an execution tell.
+  Status read_about(const LivedValue& value, LivedAction& action) {
+    ENGRAM_ASSIGN_OR_RETURN(const std::string skill, value.text("skill"));
+    action.skill = skill.substr(skill.find('/') + 1);
+    action.thing = spoken(value.link("object_before"));
+    action.place = spoken(value.link("surface"));
+    action.plan = value.link("plan");
+    ENGRAM_ASSIGN_OR_RETURN(action.hand, value.text("hand"));
     return {};
   }
 
   Status read_stands() {
     return visit_all(memory_, "RobotState/Localization", [&](const LivedValue& value) -> Status {
       const auto* pose = value.find<idf::NdArray>("pose_world_platform");
-      if (pose == nullptr || pose->values<float>().size() != 3)
+      if (pose == nullptr || pose->type() != idf::ElementType::kFloat32 || pose->count() != 3)
         return invalid_argument("'{}': needs three numbers 'pose_world_platform'",
                                 value.id().printable());
       const auto numbers = pose->values<float>();
       past_.stands.push_back({value.id(), value.time(), {numbers[0], numbers[1]}});
       return {};
     });
+  }
+
+  /// Values come entity by entity.
+  void sort_by_time() {
+    const auto by_time = [](const auto& a, const auto& b) { return a.time < b.time; };
+    std::stable_sort(past_.words.begin(), past_.words.end(), by_time);
+    std::stable_sort(past_.stands.begin(), past_.stands.end(), by_time);
+    for (auto& [thing, sights] : past_.sights)
+      std::stable_sort(sights.begin(), sights.end(), by_time);
+    std::stable_sort(
+        past_.actions.begin(), past_.actions.end(),
+        [](const LivedAction& a, const LivedAction& b) { return a.started < b.started; });
   }
 
   [[nodiscard]] std::string spoken(const std::optional<ltm::MemoryId>& id) const {

@@ -18,7 +18,7 @@ struct LivedAction {
   ltm::MemoryId begun;
   std::optional<ltm::MemoryId> over;  ///< Nothing: the recording ended before it did.
   std::string skill;                  ///< Without its provider.
-  std::string outcome;                ///< "running", "success", "failure", "stop" or "lost".
+  std::string outcome = "running";    ///< "running", "success", "failure", "stop" or "lost".
   std::string reason;
   Time started{};
   std::optional<Time> ended;
