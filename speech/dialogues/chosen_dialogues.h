@@ -12,6 +12,9 @@
 
 namespace engram::speech::dialogues {
 
+/// Errors: those of make_dialogues().
+Result<LivedPast> read_past(Memory& memory, const DialogueOptions& options);
+
 /// What can be asked at the times that the options say.
 [[nodiscard]] std::deque<KnownAnswer> all_known(const LivedPast& past,
                                                 const DialogueOptions& options);

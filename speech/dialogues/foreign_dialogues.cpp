@@ -140,9 +140,8 @@ std::vector<Dialogue> foreign_dialogues(const LivedPast& past, const DialogueOpt
 
 Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const DialogueOptions& options,
                                                   const std::filesystem::path& phrasings) {
-  ENGRAM_RETURN_IF_ERROR(options.validate());
   ENGRAM_ASSIGN_OR_RETURN(const auto read, dialogues::read_phrasings(phrasings));
-  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::LivedPast::read(memory));
+  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::read_past(memory, options));
   return dialogues::foreign_dialogues(past, options, read);
 }
 

@@ -15,7 +15,9 @@ std::string own_what(const ForeignPhrasing& phrasing) {
   if (what == "things_picked" || (what == "which_thing" && phrasing.ask("which").empty()))
     return "which_things";
   if (what == "why_failed" && !has_thing) return "why_failed_any";
-  if (what == "held_at" && phrasing.ask("when") == "now") return "held_now";
+  for (const char* past : {"held", "doing", "where_robot"})
+    if (what == std::string(past) + "_at" && phrasing.ask("when") == "now")
+      return std::string(past) + "_now";
   if (what == "is_visible" && phrasing.ask("when") != "now") return "was_visible_at";
   if (what == "things_on_place" && phrasing.ask("when") != "now") return "things_on_place_at";
   if (what == "what_did_you_do" && has_thing) return "what_did_you_do_with";

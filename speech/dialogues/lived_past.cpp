@@ -322,6 +322,30 @@ Result<LivedPast> LivedPast::read(Memory& memory) {
   return past;
 }
 
+LivedPast LivedPast::until(Time now) const {
+  const auto keep_known = [now](auto& list) {
+    std::erase_if(list, [now](const auto& one) { return one.time > now; });
+  };
+  LivedPast known = *this;
+  keep_known(known.words);
+  keep_known(known.stands);
+  for (auto& [thing, seen] : known.sights) keep_known(seen);
+  std::erase_if(known.sights, [](const auto& one) { return one.second.empty(); });
+  std::erase_if(known.plans, [now](const auto& one) { return one.second.time > now; });
+  std::erase_if(known.actions, [now](const LivedAction& one) { return one.started > now; });
+  for (LivedAction& action : known.actions) {
+    if (!action.ended || *action.ended <= now) continue;
+    action.over.reset();
+    action.ended.reset();
+    action.outcome = LivedAction().outcome;
+    action.reason.clear();
+    action.stopped_by.clear();
+  }
+  std::erase_if(known.recordings, [now](const auto& one) { return one.first > now; });
+  for (auto& [from, to] : known.recordings) to = std::min(to, now);
+  return known;
+}
+
 const LivedWords* LivedPast::words_of(const ltm::MemoryId& id) const {
   const auto found =
       std::find_if(words.begin(), words.end(), [&](const LivedWords& one) { return one.id == id; });

@@ -95,6 +95,10 @@ struct LivedPast {
   /// kInvalidArgument if a value is not what a kitchen records.
   static Result<LivedPast> read(Memory& memory);
 
+  /// What was known at a time: what went on then has no end, and nothing came later. Without
+  /// recordings if none had begun.
+  [[nodiscard]] LivedPast until(Time now) const;
+
   [[nodiscard]] Time last_moment() const { return recordings.back().second; }
   /// Null: said elsewhere, or nothing.
   [[nodiscard]] const LivedWords* words_of(const ltm::MemoryId& id) const;

@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "speech/dialogues/asking_times.h"
 #include "speech/dialogues/careless.h"
 #include "speech/dialogues/chosen_dialogues.h"
 #include "speech/dialogues/phrasings.h"
@@ -64,6 +65,16 @@ std::vector<std::string> plain_words(const KnownAnswer& known) {
   return plain;
 }
 
+Result<LivedPast> read_past(Memory& memory, const DialogueOptions& options) {
+  ENGRAM_RETURN_IF_ERROR(options.validate());
+  ENGRAM_ASSIGN_OR_RETURN(LivedPast past, LivedPast::read(memory));
+  const Time begin = past.recordings.front().first;
+  if (options.now && *options.now < begin)
+    return invalid_argument("dialogues: now is {}, needs {} or later, when a recording begins",
+                            to_string(*options.now), to_string(begin));
+  return past;
+}
+
 bool is_in(DialogueSplit split, const Dialogue& dialogue) {
   return split == DialogueSplit::kAll ||
          (split == DialogueSplit::kTrain) == dialogue.held_out.empty();
@@ -95,9 +106,13 @@ Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known, const Word
 }
 
 std::deque<KnownAnswer> all_known(const LivedPast& past, const DialogueOptions& options) {
+  if (options.now) return known_answers(past.until(*options.now), *options.now, options.seed);
   const Time last = past.last_moment();
-  std::deque<KnownAnswer> known = known_answers(past, options.now.value_or(last), options.seed);
-  if (options.now) return known;
+  std::deque<KnownAnswer> known = known_answers(past, last, options.seed);
+  uint64_t seed = options.seed;
+  for (const Time now : asking_times(past, options.seed))
+    for (KnownAnswer& one : known_answers(past.until(now), now, ++seed))
+      known.push_back(std::move(one));
   const Time next_day = day_of(last) + std::chrono::hours(24 + 9);
   for (KnownAnswer& one : known_answers(past, next_day, options.seed + 1)) {
     // The rest is the same on every day.
@@ -144,8 +159,7 @@ Status DialogueOptions::validate() const {
 }
 
 Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptions& options) {
-  ENGRAM_RETURN_IF_ERROR(options.validate());
-  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::LivedPast::read(memory));
+  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::read_past(memory, options));
   return dialogues::chosen_dialogues(past, options);
 }
 

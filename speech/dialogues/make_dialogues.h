@@ -22,8 +22,9 @@ struct DialogueOptions {
   std::optional<size_t> count{};
   uint64_t seed = 1;  ///< Chooses among all that can be asked.
   DialogueSplit split = DialogueSplit::kAll;
-  /// When questions are asked. Empty: most at the last moment of the last recording, others at nine
-  /// in the morning of the next day.
+  /// When questions are asked. Empty: at the last moment of the last recording, at two moments
+  /// while it goes on, at one of which something is held, and at nine in the morning of the next
+  /// day.
   std::optional<Time> now{};
   /// The share of questions that are put carelessly: in small letters without marks, or with two
   /// letters swapped. 0 to 1.
@@ -38,10 +39,9 @@ struct DialogueOptions {
 /// where several answers are right, all are told.
 ///
 /// Equal recordings and options give equal dialogues.
-/// Errors: kInvalidArgument if `options` do not validate; kNotFound if there is no recording of a
-/// kitchen; those of Memory::query.
-/// Threading: one thread.
-/// Source: docs/dialogues.md.
+/// Errors: kInvalidArgument if `options` do not validate, if `now` comes before any recording, or
+/// if a value is not what a kitchen records; kNotFound if there is no recording of a kitchen; those
+/// of Memory::query. Threading: one thread. Source: docs/dialogues.md.
 Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptions& options);
 
 /// The same with the words of others: a file of JSON lines {"question", "form", "skill"} or

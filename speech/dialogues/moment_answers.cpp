@@ -177,9 +177,32 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
   }
 }
 
+/// What is going on while it is asked, and where the robot is.
+void add_present(const AnswerList& list) {
+  const Actions all = list.actions("any");
+  if (!all.empty()) {
+    const LivedAction& last = *all.back();
+    const bool is_going_on = !last.ended;
+    if (list.now - last.ended.value_or(last.started) > kAround) {
+      KnownAnswer& doing =
+          list.add("at_a_time", {.what = "doing_now", .skill = "any", .when = "now"},
+                   is_going_on ? events_of({&last}) : AnswerValue(answers::Events{}), {});
+      if (is_going_on)
+        doing.evidence = {last.begun};
+      else
+        doing.also = {answers::YesNo{false}, answers::Names{}};
+    }
+  }
+  std::vector<ltm::MemoryId> evidence;
+  if (const std::string place = stand_around(list.past, list.now, evidence); !place.empty())
+    list.add("at_a_time", {.what = "where_robot_now", .when = "now"}, answers::Names{{place}},
+             evidence);
+}
+
 }  // namespace
 
 void add_moment_answers(const AnswerList& list, uint64_t seed) {
+  if (list.is_present()) add_present(list);
   for (const AskedMoment& moment : asked_moments(list, seed)) {
     if (const LivedAction* action = action_around(list.past, moment.time); action != nullptr) {
       add_at(list, moment, {.what = "doing_at", .skill = "any"}, events_of({action}),

@@ -90,8 +90,9 @@ void add_places_now(const AnswerList& list) {
   KnownAnswer& hands =
       list.add("objects", {.what = "held_now", .when = "now"}, names_of(held), holding);
   if (held.empty()) hands.also = {answers::YesNo{false}};
-  if (!visible.empty())
-    list.add("objects", {.what = "things_visible", .when = "now"}, names_of(visible), evidence);
+  KnownAnswer& eyes =
+      list.add("objects", {.what = "things_visible", .when = "now"}, names_of(visible), evidence);
+  if (visible.empty()) eyes.also = {answers::YesNo{false}};
   // What was left there in recordings of before may be meant or not, so only one recording is asked
   // about.
   if (list.past.recordings.size() > 1) return;

@@ -87,6 +87,36 @@ TEST(Dialogues, TakeTheFamiliesInTurn) {
   for (const auto& [family, count] : families) EXPECT_NEAR(count, 20, 8) << family;
 }
 
+TEST(Dialogues, AreAlsoAskedWhileTheRobotWorks) {
+  std::map<Time, int> by_now;
+  std::map<std::string, std::set<std::string>> values;
+  for (const Dialogue& dialogue : made(kitchen_of_seed_1(), {.count = 800})) {
+    ++by_now[dialogue.now];
+    values[dialogue.form].insert(to_json(dialogue.value).dump());
+  }
+  // At the end, on the next day, and twice before.
+  ASSERT_EQ(by_now.size(), 4U);
+  int within = 0;
+  for (const auto& [now, count] : by_now)
+    if (now < *parse_time("2026-01-01 08:00:59")) within += count;
+  EXPECT_GT(within, 200);
+  EXPECT_LT(within, 600);
+  for (const char* form : {"held_now", "is_held", "who_holds", "doing_now", "things_visible"})
+    EXPECT_GE(values[form].size(), 2U) << form;
+  EXPECT_GE(values["which_hand_holds"].size(), 1U);
+}
+
+TEST(Dialogues, KnowNoMoreThanAtTheirTime) {
+  const Time now = *parse_time("2026-01-01 08:00:31");
+  for (const Dialogue& dialogue : made(kitchen_of_seed_1(), {.count = 300, .now = now})) {
+    EXPECT_EQ(dialogue.now, now);
+    for (const ltm::MemoryId& id : dialogue.evidence)
+      EXPECT_LE(*id.time(), now) << dialogue.question;
+  }
+  EXPECT_FAILS(make_dialogues(kitchen_of_seed_1(), {.now = Time()}), StatusCode::kInvalidArgument,
+               "when a recording begins");
+}
+
 TEST(Dialogues, ForTrainingHaveNothingThatIsHeldOut) {
   // Seed 1 is not held out, or there would be nothing to train on.
   ASSERT_FALSE(is_seed_held_out(1));

@@ -7,6 +7,7 @@
 
 #include "tests/ltm/expect_status.h"
 #include "tests/ltm/scratch_directory.h"
+#include "tests/speech/dialogues/recorded_kitchens.h"
 
 namespace engram::speech::dialogues {
 namespace {
@@ -112,6 +113,24 @@ TEST_F(ForgedPast, IsRefusedWithAPlatformOfOtherNumbers) {
   commit("RobotState/Localization/robot/platform", 1,
          {{"pose_world_platform", idf::NdArray::take({3}, std::vector<double>(3))}});
   expect_refusal("needs three numbers");
+}
+
+TEST(LivedPast, KnowsNothingOfWhatComesLater) {
+  const auto past = LivedPast::read(kitchen_of_seed_1());
+  ASSERT_OK(past);
+  // The first grasp of the coffee went on from 8:00:22.2 to 8:00:23.5, and nobody had said stop.
+  const Time now = *parse_time("2026-01-01 08:00:23");
+  const LivedPast then = past->until(now);
+  EXPECT_EQ(then.last_moment(), now);
+  EXPECT_EQ(then.actions.back().skill, "pick");
+  EXPECT_EQ(then.actions.back().outcome, "running");
+  EXPECT_FALSE(then.actions.back().over);
+  EXPECT_TRUE(then.actions.back().stopped_by.empty());
+  EXPECT_EQ(then.words.size(), 2U);
+  EXPECT_EQ(then.plans.size(), 2U);
+  for (const auto& [thing, sights] : then.sights) EXPECT_LE(sights.back().time, now) << thing;
+  EXPECT_LE(then.stands.back().time, now);
+  EXPECT_EQ(past->until(past->last_moment()).actions.size(), past->actions.size());
 }
 
 }  // namespace
