@@ -287,7 +287,8 @@ reflection-bars: build
 # Options: experiments/ask/ask_bars.py --help
 ask-bars: experiments build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py build/release/bin/engram \
-	  build/experiments/ask/engram_make_dialogues --json build/ask_bars.json $(BARS)
+	  build/experiments/ask/engram_make_dialogues --hostile experiments/ask/hostile.jsonl \
+	  --json build/ask_bars.json $(BARS)
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py build/release/bin/engram \
 	  build/experiments/ask/engram_make_dialogues --phrasings experiments/ask/foreign_questions.jsonl \
 	  --json build/ask_bars_foreign.json $(BARS)

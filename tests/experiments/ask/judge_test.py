@@ -165,3 +165,12 @@ def test_days_are_those_of_the_calendar():
     assert ask_bars.start_of_day(0) == "2026-03-01 09:00:00"
     assert ask_bars.start_of_day(60) == "2026-04-30 09:00:00"
     assert ask_bars.start_of_day(61) == "2026-05-01 09:00:00"
+
+
+def test_hostile_texts_are_repeated():
+    assert ask_bars.hostile_text('{"kind": "long", "question": "word ", "repeat": 3}') == (
+        "word word word ")
+    lines = (pathlib.Path(ask_bars.__file__).parent / "hostile.jsonl").read_text().splitlines()
+    texts = [ask_bars.hostile_text(line) for line in lines]
+    assert len(set(texts)) == 80
+    assert max(len(text.split()) for text in texts) == 10_000
