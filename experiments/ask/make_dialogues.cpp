@@ -22,6 +22,7 @@ struct Arguments {
   DialogueOptions options;
   std::string now;
   std::string phrasings;
+  bool is_written = false;
 };
 
 Result<std::vector<Dialogue>> dialogues_of(const std::string& store, const Arguments& arguments) {
@@ -31,6 +32,7 @@ Result<std::vector<Dialogue>> dialogues_of(const std::string& store, const Argum
   }
   ENGRAM_ASSIGN_OR_RETURN(const auto memory,
                           Memory::open(store, {.is_read_only = true, .notes_reads = false}));
+  if (arguments.is_written) return make_written_dialogues(*memory, options);
   return arguments.phrasings.empty() ? make_dialogues(*memory, options)
                                      : make_dialogues_with(*memory, options, arguments.phrasings);
 }
@@ -57,6 +59,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--phrasings", arguments.phrasings, "Questions in the words of others, JSON lines")
       ->check(CLI::ExistingFile);
+  app.add_flag("--written", arguments.is_written, "In the wordings that come with Engram");
   CLI11_PARSE(app, argc, argv);
   log::set_level(log::Level::kWarning);
   for (const std::string& store : arguments.stores) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <random>
+#include <sstream>
 
 #include "speech/dialogues/careless.h"
 #include "speech/dialogues/chosen_dialogues.h"
@@ -142,6 +143,14 @@ Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const Dialogue
                                                   const std::filesystem::path& phrasings) {
   ENGRAM_ASSIGN_OR_RETURN(const auto read, dialogues::read_phrasings(phrasings));
   ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::read_past(memory, options));
+  return dialogues::foreign_dialogues(past, options, read);
+}
+
+Result<std::vector<Dialogue>> make_written_dialogues(Memory& memory,
+                                                     const DialogueOptions& options) {
+  ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::read_past(memory, options));
+  std::istringstream lines{std::string(dialogues::written_wordings())};
+  ENGRAM_ASSIGN_OR_RETURN(const auto read, dialogues::read_phrasings(lines));
   return dialogues::foreign_dialogues(past, options, read);
 }
 

@@ -4,9 +4,11 @@
 // Private to this room: questions in the words of others, who wrote what they ask for beside them.
 
 #include <filesystem>
+#include <istream>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "speech/dialogues/phrasings.h"
@@ -29,9 +31,14 @@ struct ForeignPhrasing {
   [[nodiscard]] bool is_unanswerable() const { return ask("what") == "unanswerable"; }
 };
 
-/// Reads a file of JSON lines; empty ones are passed over.
-/// Errors: kUnavailable if it cannot be read; kInvalidArgument naming the line.
+/// Reads JSON lines; empty ones are passed over.
+/// Errors: kInvalidArgument naming the line.
+Result<std::vector<ForeignPhrasing>> read_phrasings(std::istream& lines);
+/// The same of a file. Errors: also kUnavailable if it cannot be read.
 Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path& path);
+
+/// The lines of all files of speech/dialogues/written.
+[[nodiscard]] std::string_view written_wordings();
 
 /// Whether the words ask for this answer, apart from slots that it may not fill.
 [[nodiscard]] bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known);

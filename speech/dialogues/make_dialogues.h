@@ -53,4 +53,9 @@ Result<std::vector<Dialogue>> make_dialogues(Memory& memory, const DialogueOptio
 Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const DialogueOptions& options,
                                                   const std::filesystem::path& phrasings);
 
+/// The same with the thousands of wordings that come with Engram: speech/dialogues/written.
+/// Errors: those of make_dialogues.
+Result<std::vector<Dialogue>> make_written_dialogues(Memory& memory,
+                                                     const DialogueOptions& options);
+
 }  // namespace engram::speech

@@ -71,18 +71,22 @@ class PhrasingReader {
 
 }  // namespace
 
-Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return unavailable("phrasings '{}': cannot be read", path.string());
+Result<std::vector<ForeignPhrasing>> read_phrasings(std::istream& lines) {
   std::vector<ForeignPhrasing> all;
   size_t number = 0;
-  for (std::string line; std::getline(file, line);) {
+  for (std::string line; std::getline(lines, line);) {
     ++number;
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     ENGRAM_ASSIGN_OR_RETURN(ForeignPhrasing one, PhrasingReader(line, number).read(all.size()));
     all.push_back(std::move(one));
   }
   return all;
+}
+
+Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) return unavailable("phrasings '{}': cannot be read", path.string());
+  return read_phrasings(file);
 }
 
 }  // namespace engram::speech::dialogues
