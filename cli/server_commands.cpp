@@ -12,6 +12,7 @@ void add_server_commands(CLI::App& app, ExitCode& exit_code) {
   add_commit_command(app, exit_code);
   add_watch_command(app, exit_code);
   add_skill_command(app, exit_code);
+  add_listen_command(app, exit_code);
   add_audit_command(app, exit_code);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include "ltm/core/ascii.h"
+#include "speech/facts/answering.h"
 #include "speech/facts/fact_members.h"
 
 namespace engram::speech {
@@ -187,6 +188,11 @@ void FactsReader::take(FactKind kind, const ltm::MemoryId& id, const idf::Data& 
 /// Brings the index into the order of time.
 void FactsReader::collect() {
   executions_ = execution_table_.in_order();
+  std::erase_if(executions_, [](const Execution& execution) {
+    return execution.skill == kAnsweringSkill && execution.provider == kAnsweringProvider;
+  });
+  std::erase_if(refusals_,
+                [](const RefusedRequest& refusal) { return refusal.skill == kAnsweringSkill; });
   const auto by_time = [](auto& records) {
     std::sort(records.begin(), records.end(),
               [](const auto& a, const auto& b) { return a.time < b.time; });
