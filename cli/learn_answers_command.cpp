@@ -134,7 +134,7 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
                    "Questions in the generator's own wordings about each store")
       ->capture_default_str();
   command->add_option("--wordings", arguments->examples.wordings,
-                      "Files of wordings, each of which is asked once of each store");
+                      "More files of wordings, each of which is asked once of each store");
   command->add_option("--threads", arguments->options.threads, "Threads that compute")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

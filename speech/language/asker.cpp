@@ -70,12 +70,7 @@ Result<std::optional<Answer>> Asker::ask_reader(std::string_view question, Time 
   return std::optional(*std::move(answer));
 }
 
-Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
-  const SteadyTime began = steady_now();
-  ParsedQuestion parsed = route == AskRoute::kReader
-                              ? unread_question()
-                              : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
-  Answer answer;
+Result<Answer> Asker::ask_parsed(ParsedQuestion parsed, Time now) {
   auto executed = parsed.program ? ask_program(*parsed.program, now) : Result<Answer>(Answer());
   // Times that make no sense at this moment are the question's fault: "from now to 8:00".
   if (!executed.ok() && executed.status().code() == StatusCode::kInvalidArgument) {
@@ -84,22 +79,29 @@ Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
     executed = Answer();
   }
   ENGRAM_RETURN_IF_ERROR(executed.status());
-  answer = *std::move(executed);
-  answer.confidence = parsed.confidence;
-  std::optional<Answer> read;
+  executed->confidence = parsed.confidence;
+  if (parsed.program) return executed;
+  executed->text = std::move(parsed.refusal);
+  executed->route = "none";
+  executed->looked_for = "a question that I can read";
+  return executed;
+}
+
+Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
+  const SteadyTime began = steady_now();
+  ParsedQuestion parsed = route == AskRoute::kReader
+                              ? unread_question()
+                              : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
+  std::optional<Answer> answer;
   if (parsed.is_unread && route != AskRoute::kProgram) {
-    ENGRAM_ASSIGN_OR_RETURN(read, ask_reader(question, now));
+    ENGRAM_ASSIGN_OR_RETURN(answer, ask_reader(question, now));
   }
-  if (read) {
-    answer = *std::move(read);
-  } else if (!parsed.program) {
-    answer.text = std::move(parsed.refusal);
-    answer.route = "none";
-    answer.looked_for = "a question that I can read";
+  if (!answer) {
+    ENGRAM_ASSIGN_OR_RETURN(answer, ask_parsed(std::move(parsed), now));
   }
-  answer.question = shown_question(question);
-  answer.took_ms = to_seconds(steady_now() - began) * 1e3;
-  return answer;
+  answer->question = shown_question(question);
+  answer->took_ms = to_seconds(steady_now() - began) * 1e3;
+  return *std::move(answer);
 }
 
 Result<Answer> Asker::ask_program(const Program& program, Time now) {

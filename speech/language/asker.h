@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "speech/facts/known_facts.h"
+#include "speech/language/grammar.h"
 #include "speech/language/lexicon.h"
 #include "speech/language/question_reader.h"
 #include "speech/language/tagger.h"
@@ -77,6 +78,7 @@ class Asker {
   Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
 
   Result<std::optional<Answer>> ask_reader(std::string_view question, Time now);
+  Result<Answer> ask_parsed(ParsedQuestion parsed, Time now);
 
   std::unique_ptr<KnownFacts> facts_;
   Options options_;

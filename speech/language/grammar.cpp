@@ -204,7 +204,7 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
       if (word.is_corrected) confidence -= kPerCorrection;
       if (word.tag != WordTag::kUnknown) continue;
       if (const auto strange = strange_name(clause->words, at))
-        return {program_of(*strange), {}, confidence / 2, false};
+        return {program_of(*strange), {}, confidence / 2, true};
       ++passed_over;
     }
   }

@@ -30,8 +30,8 @@ struct ParsedQuestion {
   std::optional<Program> program;
   std::string refusal;    ///< A polite sentence; empty where there is a program.
   double confidence = 0;  ///< 0..1: less where words were corrected or passed over.
-  /// No rule fits, which says nothing about what the words mean; else it is known to be nothing
-  /// that a memory answers.
+  /// No rule fits, or a word that nobody knows was taken for a name, which says little about what
+  /// the words mean. Else it is known what they mean, or that no memory answers it.
   bool is_unread = false;
 };
 

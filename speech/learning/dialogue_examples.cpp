@@ -187,10 +187,12 @@ Result<ExampleCounts> add_examples(Memory& memory, const ExampleOptions& options
   asked.tells_plainly = true;
   ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> dialogues, make_dialogues(memory, asked));
   asked.count.reset();
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> written, make_written_dialogues(memory, asked));
+  std::move(written.begin(), written.end(), std::back_inserter(dialogues));
   for (const std::filesystem::path& file : options.wordings) {
+    ++asked.seed;
     ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> more, make_dialogues_with(memory, asked, file));
     std::move(more.begin(), more.end(), std::back_inserter(dialogues));
-    ++asked.seed;
   }
   ENGRAM_ASSIGN_OR_RETURN(std::unique_ptr<KnownFacts> facts, KnownFacts::read(memory));
   ExampleMaker maker(std::move(facts));

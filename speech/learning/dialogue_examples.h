@@ -53,7 +53,8 @@ struct ExampleCounts {
 /// Where examples come from, beside a memory.
 struct ExampleOptions {
   DialogueOptions dialogues;  ///< `count` is that of the own wordings.
-  /// Files of wordings (docs/dialogues.md); each line is asked once of each memory.
+  /// More files of wordings (docs/dialogues.md). Each line of these, and of those that come with
+  /// Engram, is asked once of each memory.
   std::vector<std::filesystem::path> wordings;
 };
 
