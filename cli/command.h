@@ -53,7 +53,8 @@ void add_map_command(CLI::App& app, ExitCode& exit_code);
 void add_view_command(CLI::App& app, ExitCode& exit_code);
 void add_mcp_command(CLI::App& app, ExitCode& exit_code);
 
-/// Adds serve, replay, mns, commit, watch, skill and audit; nothing in a program that is built without servers.
+/// Adds serve, replay, mns, commit, watch, skill and audit; nothing in a program that is built
+/// without servers.
 void add_server_commands(CLI::App& app, ExitCode& exit_code);
 
 /// Parses the arguments and runs the command that they name, which sets `exit_code`. Returns that,

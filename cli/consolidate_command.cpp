@@ -8,12 +8,14 @@
 #include "cli/consolidate_jobs.h"
 #include "cli/interrupt.h"
 #include "cli/job_options.h"
+#include "cli/lesson_text.h"
 #include "cli/progress_line.h"
 #include "cli/training_options.h"
 #include "ltm/core/log.h"
 #include "ltm/core/time.h"
 #include "ltm/store/night_records.h"
 #include "reports/consolidate_text.h"
+#include "speech/attention/attention_files.h"
 #include "training/fit/job_pace.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
@@ -30,6 +32,7 @@ constexpr const char* kConsolidateFooter = R"(Examples:
   engram consolidate robot.engram --representation latents --psnr 35 --width 128
   engram consolidate robot.engram --drop-raw --min-psnr 30 --grace 7d
   engram consolidate robot.engram --until 06:00 --yield-file /run/robot/busy
+  engram consolidate robot.engram --answers 10m
   engram consolidate robot.engram --dry-run
 
 Tells what it is going to do, then trains one autoencoder per entity with new recorded snapshots, encodes them, decodes what is
@@ -65,6 +68,7 @@ struct ConsolidateArguments {
   bool is_part = false;
   std::optional<int64_t> began_ns;  ///< Of the job whose part this is.
   std::string access = "50ms";
+  std::string answers;  ///< How long it learns to answer; empty: it does not.
   bool drops_raw = false;
   bool is_dry_run = false;
   bool is_json = false;
@@ -142,6 +146,28 @@ void leave_time_to_drop(training::JobControl& job) {
   if (job.until) *job.until -= std::max(Duration::zero(), *job.until - system_now()) / kShare;
 }
 
+/// What a robot is asked in its own words is learned from its own past, and goes on from the night
+/// before. A memory of which no dialogues can be made has learned all the same, so that is said and
+/// no failure.
+Status learn_answers(const ConsolidateArguments& arguments) {
+  if (arguments.answers.empty() || arguments.is_part) return {};
+  speech::Lesson lesson;
+  ENGRAM_ASSIGN_OR_RETURN(lesson.options.budget, parse_duration(arguments.answers));
+  lesson.stores = {arguments.store};
+  lesson.file = speech::attention_file(arguments.store);
+  lesson.options.start = lesson.file;
+  ProgressLine progress(progress_form(arguments.job));
+  const auto report = speech::learn_from(lesson, progress.sink(), interrupt_token());
+  progress.finish();
+  if (report.status().code() == StatusCode::kNotFound) {
+    log::warning("nothing was learned of questions: {}", report.status().message());
+    return {};
+  }
+  ENGRAM_RETURN_IF_ERROR(report.status());
+  if (!arguments.is_json) print(lesson_text(*report, lesson.file));
+  return {};
+}
+
 ExitCode consolidate(const ConsolidateArguments& arguments) {
   ProgressLine progress(progress_form(arguments.job));
   training::ConsolidatePlan plan;
@@ -168,7 +194,7 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
     print_json(reports::report_json(plan, *report, dropped));
   else
     reports::print_dropped(dropped);
-  return ExitCode::kDone;
+  return done_or_failed(learn_answers(arguments));
 }
 
 /// A given number of snapshots decides for itself how long decoding takes.
@@ -195,7 +221,7 @@ bool wants_processes(const ConsolidateArguments& arguments) {
 /// The arguments of the processes of a job, which end at the same moment.
 std::vector<std::string> arguments_of_parts(const ConsolidateArguments& arguments) {
   auto texts = arguments_of(*arguments.command, {"--entity", "--threads", "--jobs", "--progress",
-                                                 "--json", "--budget", "--until"});
+                                                 "--answers", "--json", "--budget", "--until"});
   if (const auto& until = arguments.options.job.until)
     texts.push_back("--until=" + to_string(*until) + "Z");
   texts.push_back(fmt::format("{}={}", kBeganOption, to_ns(system_now())));
@@ -221,9 +247,11 @@ ExitCode run(ConsolidateArguments& arguments) {
     const auto plan = training::plan_consolidation(arguments.store, options, interrupt_token());
     if (!plan.ok()) return fail(plan.status());
     const auto groups = arguments.jobs == 2 ? split_jobs(*plan) : split_by_measurement(*plan);
-    if (!groups.empty())
-      return run_jobs(*plan, groups, arguments_of_parts(arguments), progress_form(arguments.job),
-                      arguments.is_json);
+    if (!groups.empty()) {
+      const ExitCode done = run_jobs(*plan, groups, arguments_of_parts(arguments),
+                                     progress_form(arguments.job), arguments.is_json);
+      return done == ExitCode::kDone ? done_or_failed(learn_answers(arguments)) : done;
+    }
   }
   return consolidate(arguments);
 }
@@ -330,6 +358,11 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code) {
   command->add_option("--grace", arguments->grace, "Data that is younger stays recorded, like 7d")
       ->check(duration_text())
       ->needs(drop);
+  command
+      ->add_option("--answers", arguments->answers,
+                   "Afterwards learn to read questions for so long, like 10m, from dialogues that "
+                   "are made of this memory (engram ask, docs/verbalisation.md)")
+      ->check(duration_text());
   command->add_flag("--dry-run", arguments->is_dry_run,
                     "Only tell what would be done, and what it would gain");
   command->add_flag("--json", arguments->is_json, "Report as JSON");

@@ -3,8 +3,8 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/lesson_text.h"
 #include "cli/progress_line.h"
-#include "memory/memory.h"
 #include "speech/attention/attention_files.h"
 #include "speech/learning/learn_to_answer.h"
 
@@ -25,93 +25,28 @@ Examples:
   engram ask other.engram 'Any luck with the salt?' --attention answers.attention)";
 
 struct LearnAnswersArguments {
-  std::vector<std::string> stores;
-  std::string output;
+  speech::Lesson lesson;
   std::string budget = "60m";
-  speech::LearnOptions options;
-  speech::ExampleOptions examples{.dialogues = {.count = 1500, .careless = 0.15}};
   bool is_json = false;
 };
 
-Result<speech::LearnReport> learn(const LearnAnswersArguments& arguments,
-                                  speech::ExampleCounts& counts, const ProgressSink& progress) {
-  std::vector<speech::AttentionExample> examples;
-  speech::ExampleOptions options = arguments.examples;
-  for (size_t i = 0; i < arguments.stores.size(); ++i) {
-    progress({.what = "make dialogues",
-              .done = i,
-              .total = arguments.stores.size(),
-              .detail = fmt::format("{} examples", examples.size())});
-    ENGRAM_ASSIGN_OR_RETURN(
-        const auto memory,
-        Memory::open(arguments.stores[i], {.is_read_only = true, .notes_reads = false}));
-    ENGRAM_ASSIGN_OR_RETURN(const speech::ExampleCounts made,
-                            speech::add_examples(*memory, options, interrupt_token(), examples));
-    counts += made;
-    options.dialogues.seed += 100;
-  }
-  return speech::learn_to_answer(std::move(examples), arguments.options, arguments.output, progress,
-                                 interrupt_token());
-}
-
-Json to_json(const speech::ExampleCounts& counts, const speech::LearnReport& report,
-             const std::string& file) {
-  return {{"file", file},
-          {"dialogues", counts.dialogues},
-          {"with_program", counts.programs},
-          {"refusals", counts.refusals},
-          {"unread", counts.unread},
-          {"unlike", counts.unlike},
-          {"examples", report.examples},
-          {"held_out", report.held_out},
-          {"parameters", report.parameters},
-          {"steps", report.steps},
-          {"seconds", report.seconds},
-          {"loss", report.loss},
-          {"read_rightly", report.read_rightly},
-          {"min_confidence", report.min_confidence},
-          {"told", report.told},
-          {"told_rightly", report.told_rightly}};
-}
-
-void print_report(const speech::ExampleCounts& counts, const speech::LearnReport& report,
-                  const std::string& file) {
-  print(fmt::format(
-      "{} dialogues: {} with a program, {} that cannot be answered; left out: {} that the grammar "
-      "does not answer rightly in plain words, {} that the network's language has not got",
-      counts.dialogues, counts.programs, counts.refusals, counts.unread, counts.unlike));
-  print(fmt::format(
-      "trained {:.0f} s: {} steps with {} examples, {:.2f} million parameters, loss {:.3f}",
-      report.seconds, report.steps, report.examples, static_cast<double>(report.parameters) / 1e6,
-      report.loss));
-  print(
-      fmt::format("of {} held-out questions {:.1f} % are read rightly; from a confidence of {:.3f} "
-                  "on, {:.1f} % "
-                  "are told, of which {:.1f} % rightly",
-                  report.held_out, 100 * report.read_rightly, report.min_confidence,
-                  100 * report.told, 100 * report.told_rightly));
-  print(fmt::format("wrote {}", file));
-}
-
 ExitCode run(LearnAnswersArguments arguments) {
+  speech::Lesson& lesson = arguments.lesson;
   const auto budget = parse_duration(arguments.budget);
   if (!budget.ok()) return wrong_usage(budget.status());
-  arguments.options.budget = *budget;
-  if (arguments.output.empty() && arguments.stores.size() > 1)
+  lesson.options.budget = *budget;
+  if (lesson.file.empty() && lesson.stores.size() > 1)
     return wrong_usage(invalid_argument("several stores need --output"));
-  if (arguments.output.empty())
-    arguments.output = speech::attention_file(arguments.stores.front()).string();
-  if (const Status options = arguments.options.validate(); !options.ok())
-    return wrong_usage(options);
-  speech::ExampleCounts counts;
+  if (lesson.file.empty()) lesson.file = speech::attention_file(lesson.stores.front());
+  if (const Status options = lesson.options.validate(); !options.ok()) return wrong_usage(options);
   ProgressLine progress;
-  const auto report = learn(arguments, counts, progress.sink());
+  const auto report = speech::learn_from(lesson, progress.sink(), interrupt_token());
   progress.finish();
   if (!report.ok()) return fail(report.status());
   if (arguments.is_json)
-    print_json(to_json(counts, *report, arguments.output));
+    print_json(lesson_json(*report, lesson.file));
   else
-    print_report(counts, *report, arguments.output);
+    print(lesson_text(*report, lesson.file));
   return ExitCode::kDone;
 }
 
@@ -122,31 +57,37 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
   CLI::App* command =
       app.add_subcommand("learn-answers", "Learn to read questions that no rule reads");
   command->footer(kLearnAnswersFooter);
-  command->add_option("stores", arguments->stores, "Stores with recordings of kitchens")
+  command->add_option("stores", arguments->lesson.stores, "Stores with recordings of kitchens")
       ->required();
-  command->add_option("-o,--output", arguments->output,
+  command->add_option("-o,--output", arguments->lesson.file,
                       "The file to write; else within the store, where engram ask finds it");
+  command
+      ->add_option("--from", arguments->lesson.options.start,
+                   "A network to go on from; without, it starts anew")
+      ->check(CLI::ExistingFile);
   command->add_option("--budget", arguments->budget, "How long it trains, once dialogues are made")
       ->check(duration_text())
       ->capture_default_str();
   command
-      ->add_option("--dialogues", arguments->examples.dialogues.count,
+      ->add_option("--dialogues", arguments->lesson.examples.dialogues.count,
                    "Questions in the generator's own wordings about each store")
       ->capture_default_str();
-  command->add_option("--wordings", arguments->examples.wordings,
+  command->add_option("--wordings", arguments->lesson.examples.wordings,
                       "More files of wordings, each of which is asked once of each store");
-  command->add_option("--threads", arguments->options.threads, "Threads that compute")
+  command->add_option("--threads", arguments->lesson.options.threads, "Threads that compute")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
-  command->add_option("--batch", arguments->options.batch, "Questions of a step")
+  command->add_option("--batch", arguments->lesson.options.batch, "Questions of a step")
       ->capture_default_str();
-  command->add_option("--rate", arguments->options.learning_rate, "Learning rate")
+  command->add_option("--rate", arguments->lesson.options.learning_rate, "Learning rate")
       ->capture_default_str();
   command
-      ->add_option("--min-right", arguments->options.min_right,
+      ->add_option("--min-right", arguments->lesson.options.min_right,
                    "So much of what is told is right on held-out wordings, 0 to 1")
       ->capture_default_str();
-  command->add_option("--seed", arguments->options.seed, "Of weights and of the order of examples")
+  command
+      ->add_option("--seed", arguments->lesson.options.seed,
+                   "Of weights and of the order of examples")
       ->capture_default_str();
   command->add_flag("--json", arguments->is_json, "As JSON");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });

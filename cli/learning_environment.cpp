@@ -22,9 +22,9 @@ bool is_set(const char* name) {
 /// Whether the arguments name a command that runs networks for a long time.
 bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
-    if (const std::string_view word = argv[i];
-        word == "consolidate" || word == "eval" || word == "crossval" || word == "predict" ||
-        word == "learn-answers")
+    if (const std::string_view word = argv[i]; word == "consolidate" || word == "eval" ||
+                                               word == "crossval" || word == "predict" ||
+                                               word == "learn-answers")
       return true;
   return false;
 }

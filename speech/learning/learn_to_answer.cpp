@@ -6,6 +6,7 @@
 #include <random>
 
 #include "encoders/threads.h"
+#include "ltm/core/log.h"
 #include "speech/attention/program_symbols.h"
 #include "speech/learning/attention_batch.h"
 #include "speech/learning/attention_weights.h"
@@ -97,6 +98,12 @@ class Fit {
     });
     torch::manual_seed(static_cast<int64_t>(options.seed));
     layers_ = AttentionLayers();
+    if (options.start.empty()) return;
+    auto start = read_attention(options.start);
+    if (start.ok())
+      layers_ = start->layers;
+    else if (start.status().code() != StatusCode::kNotFound)
+      log::warning("learning to answer starts anew: {}", start.status().message());
   }
 
   [[nodiscard]] size_t count() const { return learned_.size(); }
@@ -250,6 +257,31 @@ Result<LearnReport> learn_to_answer(std::vector<AttentionExample> examples,
     ENGRAM_RETURN_IF_ERROR(fit.train(progress, stop));
     return fit.finish(file, stop);
   });
+}
+
+Result<LessonReport> learn_from(const Lesson& lesson, const ProgressSink& progress,
+                                const std::stop_token& stop) {
+  LessonReport report;
+  std::vector<AttentionExample> examples;
+  ExampleOptions options = lesson.examples;
+  for (size_t i = 0; i < lesson.stores.size(); ++i) {
+    if (progress)
+      progress({.what = "make dialogues",
+                .done = i,
+                .total = lesson.stores.size(),
+                .detail = fmt::format("{} examples", examples.size())});
+    ENGRAM_ASSIGN_OR_RETURN(
+        const auto memory,
+        Memory::open(lesson.stores[i], {.is_read_only = true, .notes_reads = false}));
+    ENGRAM_ASSIGN_OR_RETURN(const ExampleCounts made,
+                            add_examples(*memory, options, stop, examples));
+    report.dialogues += made;
+    // Each store has its own choice of dialogues, and of the fillings of each wording.
+    options.dialogues.seed += 100;
+  }
+  ENGRAM_ASSIGN_OR_RETURN(report.learned, learn_to_answer(std::move(examples), lesson.options,
+                                                          lesson.file, progress, stop));
+  return report;
 }
 
 }  // namespace engram::speech

@@ -17,6 +17,8 @@ struct LearnOptions {
   int64_t batch = 48;
   double learning_rate = 1e-3;
   uint64_t seed = 1;
+  /// A network whose weights it starts from, if it is there and of this version; empty: none.
+  std::filesystem::path start{};
   /// Of what is told, so much is right on wordings that were held out: the least confidence follows
   /// from it.
   double min_right = 0.95;
@@ -47,5 +49,23 @@ struct LearnReport {
 Result<LearnReport> learn_to_answer(std::vector<AttentionExample> examples,
                                     const LearnOptions& options, const std::filesystem::path& file,
                                     const ProgressSink& progress, const std::stop_token& stop);
+
+/// What is learned of, and where it goes.
+struct Lesson {
+  std::vector<std::filesystem::path> stores;
+  ExampleOptions examples{.dialogues = {.count = 1500, .careless = 0.15}};
+  LearnOptions options;
+  std::filesystem::path file;
+};
+
+struct LessonReport {
+  ExampleCounts dialogues;
+  LearnReport learned;
+};
+
+/// Makes dialogues of stores, which are opened for reading alone, and learns from them.
+/// Errors: those of Memory::open, add_examples and learn_to_answer.
+Result<LessonReport> learn_from(const Lesson& lesson, const ProgressSink& progress,
+                                const std::stop_token& stop);
 
 }  // namespace engram::speech
