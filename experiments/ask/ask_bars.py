@@ -168,13 +168,16 @@ def known_ids(arguments, store):
 
 
 def blind_answers(by_store):
-    """The commonest answer to each form in the other kitchens, as an answer of `engram ask`."""
+    """The commonest answer to each form in the other kitchens, as an answer of `engram ask`; None
+    where there is no other kitchen."""
     counts = collections.defaultdict(lambda: collections.defaultdict(collections.Counter))
     for store, dialogues in by_store.items():
         for one in dialogues:
             counts[one["form"]][store][json.dumps(one["value"])] += 1
 
     def blind(store, dialogue):
+        if len(by_store) < 2:
+            return None
         total = collections.Counter()
         for other, counter in counts[dialogue["form"]].items():
             if other != store:
@@ -195,7 +198,7 @@ def row_of(dialogue, answer, ids, blind):
     shown = judge.shown(answer)
     row = {"dialogue": dialogue, "answer": answer,
            "right": judge.is_right(dialogue, answer), "refused": judge.is_refused(answer),
-           "blind": judge.is_right(dialogue, blind),
+           "blind": None if blind is None else judge.is_right(dialogue, blind),
            "has_evidence": bool(shown) and shown <= ids,
            "knows_later": any(judge.is_later(one, dialogue["now"]) for one in shown & ids),
            "is_shown": judge.is_shown(dialogue, answer), "took_ms": answer.get("took_ms")}
@@ -229,7 +232,8 @@ def hostile(arguments, store):
 
 
 def share(rows, name):
-    return sum(row[name] for row in rows) / len(rows) if rows else None
+    values = [row[name] for row in rows if row[name] is not None]
+    return sum(values) / len(values) if values else None
 
 
 def share_of_groups(rows, name):

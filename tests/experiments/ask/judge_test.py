@@ -127,6 +127,8 @@ def test_the_blind_know_only_other_kitchens():
     assert blind("b", by_store["b"][0])["value"] == two
     assert blind("a", by_store["a"][0])["value"] == three
     assert blind("a", dialogue(two, form="when_did_you"))["value"] == {"kind": "unknown"}
+    # Of a single kitchen there is nothing to guess from.
+    assert ask_bars.blind_answers({"a": by_store["a"]})("a", by_store["a"][0]) is None
 
 
 def test_questions_are_as_many_as_were_asked_for():
