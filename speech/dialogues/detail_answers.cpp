@@ -24,16 +24,16 @@ double driven_m(const LivedPast& past, Time from, Time to) {
   return way;
 }
 
+Asked asked_of(Asked base, const char* what) {
+  base.what = what;
+  return base;
+}
+
 /// What is told of one execution; `which` says which of several.
-void add_details(const AnswerList& list, const Asked& base, const char* which,
-                 const LivedAction& action) {
+void add_details(const AnswerList& list, Asked base, const char* which, const LivedAction& action) {
   if (!action.over) return;
-  const auto asked = [&](const char* what) {
-    Asked one = base;
-    one.what = what;
-    one.which = which;
-    return one;
-  };
+  base.which = which;
+  const auto asked = [&](const char* what) { return asked_of(base, what); };
   KnownAnswer& lasted = list.add("action_detail", asked("how_long"),
                                  answers::Seconds{action.seconds()}, all_ids({&action}));
   lasted.also = {answers::Span{.from = action.started, .to = *action.ended}};
@@ -44,8 +44,26 @@ void add_details(const AnswerList& list, const Asked& base, const char* which,
   }
 }
 
-void add_handling(const AnswerList& list, const std::string& skill, const std::string& thing) {
-  const Actions all = list.actions(skill, thing);
+/// The same of the only execution, or of the first and the last.
+void add_details_of_ends(const AnswerList& list, const Asked& base, const Actions& all) {
+  if (all.empty() || !are_all_done(all)) return;
+  if (all.size() == 1) {
+    add_details(list, base, "", *all.front());
+    return;
+  }
+  add_details(list, base, "first", *all.front());
+  add_details(list, base, "last", *all.back());
+}
+
+void add_total_duration(const AnswerList& list, const Asked& base, const Actions& all) {
+  if (all.empty() || !are_all_done(all)) return;
+  double seconds = 0;
+  for (const LivedAction* action : all) seconds += action->seconds();
+  list.add("action_detail", asked_of(base, "total_duration"), answers::Seconds{seconds},
+           begun_ids(all));
+}
+
+void add_handling(const AnswerList& list, const Asked& base, const Actions& all) {
   // Attempts that failed matter only if they were made otherwise.
   if (with_outcome(all, "success").empty() || !with_outcome(all, "running").empty()) return;
   std::set<std::string> hands;
@@ -55,36 +73,33 @@ void add_handling(const AnswerList& list, const std::string& skill, const std::s
     places.insert(action->place);
   }
   if (hands.size() == 1 && !hands.begin()->empty()) {
-    KnownAnswer& known =
-        list.add("action_detail", {.what = "which_hand", .skill = skill, .thing = thing},
-                 answers::Names{{*hands.begin()}}, all_ids(all));
+    KnownAnswer& known = list.add("action_detail", asked_of(base, "which_hand"),
+                                  answers::Names{{*hands.begin()}}, all_ids(all));
     known.also = {answers::Names{{*hands.begin() + " hand"}}};
     for (const char* hand : {"left", "right"}) {
-      KnownAnswer& was =
-          list.add("action_detail", {.what = "was_hand", .skill = skill, .thing = thing},
-                   answers::YesNo{hand == *hands.begin()}, all_ids(all));
+      KnownAnswer& was = list.add("action_detail", asked_of(base, "was_hand"),
+                                  answers::YesNo{hand == *hands.begin()}, all_ids(all));
       was.slots["hand"] = hand;
     }
   }
+  if (base.skill == "look" || !base.place.empty()) return;
   if (places.size() == 1 && !places.begin()->empty())
-    list.add("action_detail",
-             {.what = skill == "pick" ? "from_where" : "to_where", .skill = skill, .thing = thing},
+    list.add("action_detail", asked_of(base, base.skill == "pick" ? "from_where" : "to_where"),
              answers::Names{{*places.begin()}}, all_ids(all));
 }
 
-void add_comparisons(const AnswerList& list) {
+void add_comparisons(const AnswerList& list, const char* skill) {
   const std::vector<std::string> things = list.things();
   for (const std::string& one : things)
     for (const std::string& other : things) {
-      const Actions first = list.actions("pick", one);
-      const Actions second = list.actions("pick", other);
+      const Actions first = list.actions(skill, one);
+      const Actions second = list.actions(skill, other);
       if (one == other || first.size() != 1 || second.size() != 1 || !are_all_done(first) ||
           !are_all_done(second))
         continue;
       const auto add = [&](const char* what, bool value) -> KnownAnswer& {
-        KnownAnswer& known =
-            list.add("action_detail", {.what = what, .skill = "pick", .thing = one},
-                     answers::YesNo{value}, {first[0]->begun, second[0]->begun});
+        KnownAnswer& known = list.add("action_detail", {.what = what, .skill = skill, .thing = one},
+                                      answers::YesNo{value}, {first[0]->begun, second[0]->begun});
         known.slots["thing2"] = other;
         return known;
       };
@@ -164,42 +179,34 @@ void add_count_comparisons(const AnswerList& list) {
 }  // namespace
 
 void add_detail_answers(const AnswerList& list) {
-  for (const std::string& thing : list.things())
-    for (const char* skill : {"pick", "place", "look"}) {
-      add_handling(list, skill, thing);
-      const Actions all = list.actions(skill, thing);
-      if (all.empty() || !are_all_done(all)) continue;
-      const Asked base{.skill = skill, .thing = thing};
-      if (all.size() == 1)
-        add_details(list, base, "", *all.front());
-      else
-        add_details(list, base, "last", *all.back());
+  for (const std::string& thing : list.things()) {
+    std::vector<Asked> bases;
+    for (const char* skill : {"pick", "place", "look"})
+      bases.push_back({.skill = skill, .thing = thing});
+    for (const auto& [place, pose] : list.past.places)
+      bases.push_back({.skill = "place", .thing = thing, .place = place});
+    for (const Asked& base : bases) {
+      const Actions all = list.actions(base.skill, base.thing, base.place);
+      add_handling(list, base, all);
+      add_details_of_ends(list, base, all);
     }
+    add_total_duration(list, {.skill = "look", .thing = thing}, list.actions("look", thing));
+  }
   for (const auto& [place, pose] : list.past.places) {
     const Actions drives = list.actions("navigate", "", place);
-    if (drives.empty() || !are_all_done(drives)) continue;
-    const Asked base{.skill = "navigate", .place = place};
-    if (drives.size() == 1)
-      add_details(list, base, "", *drives.front());
-    else {
-      add_details(list, base, "first", *drives.front());
-      add_details(list, base, "last", *drives.back());
-    }
+    add_details_of_ends(list, {.skill = "navigate", .place = place}, drives);
+    add_total_duration(list, {.skill = "navigate", .place = place}, drives);
   }
   const Actions drives = list.actions("navigate");
   if (!drives.empty() && are_all_done(drives)) {
     double way = 0;
-    double seconds = 0;
-    for (const LivedAction* drive : drives) {
+    for (const LivedAction* drive : drives)
       way += driven_m(list.past, drive->started, *drive->ended);
-      seconds += drive->seconds();
-    }
     list.add("action_detail", {.what = "how_far_driven", .skill = "navigate"}, answers::Metres{way},
              begun_ids(drives));
-    list.add("action_detail", {.what = "total_duration", .skill = "navigate"},
-             answers::Seconds{seconds}, begun_ids(drives));
   }
-  add_comparisons(list);
+  add_total_duration(list, {.skill = "navigate"}, drives);
+  for (const char* skill : {"pick", "place"}) add_comparisons(list, skill);
   add_count_comparisons(list);
   add_ends_of_drives(list);
   add_extremes(list);

@@ -80,22 +80,39 @@ void add_counts(const AnswerList& list, const AskedSpan& span, const Asked& base
   if (all.size() > 1 && all.back() == done.back()) moment("last", *all.back());
 }
 
+/// The ways to name an action that fit no other one.
+std::vector<Asked> names_of_one(const AnswerList& list, const LivedAction& action) {
+  const Asked of_thing{.skill = action.skill, .thing = action.thing};
+  Asked at_place = of_thing;
+  at_place.place = action.place;
+  const Asked of_drive{.skill = action.skill, .place = action.place};
+  std::vector<Asked> names;
+  if (action.skill == "pick") names = {of_thing};
+  if (action.skill == "place") names = {of_thing, at_place};
+  if (action.skill == "navigate") names = {of_drive};
+  std::erase_if(names, [&](const Asked& name) {
+    return (name.thing.empty() && name.place.empty()) ||
+           list.actions(name.skill, name.thing, name.place).size() != 1;
+  });
+  return names;
+}
+
 void add_neighbours(const AnswerList& list) {
   const Actions all = list.actions("any");
   for (size_t i = 0; i < all.size(); ++i) {
     const LivedAction& action = *all[i];
-    if (action.outcome != "success" || list.actions(action.skill, action.thing).size() != 1)
-      continue;
-    if (action.skill != "pick" && action.skill != "place") continue;
+    if (action.outcome != "success") continue;
     const auto is_near = [&](size_t other) {
       return std::abs(to_seconds(all[other]->started - action.started)) < 60;
     };
-    if (i + 1 < all.size() && is_near(i + 1))
-      list.add("events", {.what = "after_event", .skill = action.skill, .thing = action.thing},
-               events_of({all[i + 1]}), {all[i + 1]->begun});
-    if (i > 0 && is_near(i - 1))
-      list.add("events", {.what = "before_event", .skill = action.skill, .thing = action.thing},
-               events_of({all[i - 1]}), {all[i - 1]->begun});
+    for (Asked asked : names_of_one(list, action)) {
+      const auto add = [&](const char* what, size_t other) {
+        asked.what = what;
+        list.add("events", asked, events_of({all[other]}), {all[other]->begun});
+      };
+      if (i + 1 < all.size() && is_near(i + 1)) add("after_event", i + 1);
+      if (i > 0 && is_near(i - 1)) add("before_event", i - 1);
+    }
   }
 }
 

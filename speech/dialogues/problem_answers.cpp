@@ -66,34 +66,38 @@ void add_failed_things(const AnswerList& list) {
     list.add("problems", {.what = "how_many_failures", .skill = skill, .outcome = "failure"},
              answers::Count{static_cast<int64_t>(failed.size())}, all_ids(failed));
   }
+}
+
+/// Whether it worked to pick up or put down a thing, and how often that was tried.
+void add_attempts(const AnswerList& list, const char* skill) {
   for (const std::string& thing : list.things()) {
-    const Actions picks = list.actions("pick", thing);
-    if (picks.empty() || !with_outcome(picks, "running").empty()) continue;
-    const Actions failed = with_outcome(picks, "failure");
-    const Actions done = with_outcome(picks, "success");
-    const Asked base{.skill = "pick", .thing = thing};
+    const Actions tries = list.actions(skill, thing);
+    if (tries.empty() || !with_outcome(tries, "running").empty()) continue;
+    const Actions failed = with_outcome(tries, "failure");
+    const Actions done = with_outcome(tries, "success");
+    const Asked base{.skill = skill, .thing = thing};
     const auto asked = [&](const char* what) {
       Asked one = base;
       one.what = what;
       return one;
     };
     // Whoever was only stopped did not fail, and did not succeed.
-    if (failed.size() + done.size() == picks.size())
+    if (failed.size() + done.size() == tries.size())
       list.add("problems", asked("did_fail"), answers::YesNo{!failed.empty()},
                failed.empty() ? all_ids(done) : all_ids(failed));
     list.add("problems", asked("succeeded_eventually"),
-             answers::YesNo{picks.back()->outcome == "success"}, all_ids(picks));
+             answers::YesNo{tries.back()->outcome == "success"}, all_ids(tries));
     // Of several tasks nobody knows which one is meant.
-    if (picks.front()->plan == picks.back()->plan)
+    if (tries.front()->plan == tries.back()->plan)
       list.add("problems", asked("how_many_attempts"),
-               answers::Count{static_cast<int64_t>(picks.size())}, begun_ids(picks));
-    if (failed.empty() || failed.size() + done.size() != picks.size()) continue;
+               answers::Count{static_cast<int64_t>(tries.size())}, begun_ids(tries));
+    if (failed.empty() || failed.size() + done.size() != tries.size()) continue;
     const LivedAction* first = failed.front();
     Actions later;
-    for (const LivedAction* action : picks)
+    for (const LivedAction* action : tries)
       if (action->started > first->started && action->plan == first->plan) later.push_back(action);
     // Whether a try of another task is meant, nobody knows.
-    if (later.empty() && picks.back() != first) continue;
+    if (later.empty() && tries.back() != first) continue;
     std::vector<ltm::MemoryId> evidence = all_ids(failed);
     for (const ltm::MemoryId& id : begun_ids(later)) evidence.push_back(id);
     list.add("problems", asked("retried"), answers::YesNo{!later.empty()}, evidence);
@@ -135,6 +139,7 @@ void add_problem_answers(const AnswerList& list) {
     if (days.size() > 1) add_failed(list, "{day}", " on " + day_words(day), then);
   }
   add_failed_things(list);
+  for (const char* skill : {"pick", "place"}) add_attempts(list, skill);
   add_interruptions(list);
 }
 

@@ -87,9 +87,6 @@ void add_failures(const AnswerList& list) {
              {*failed.back()->over});
   for (const std::string& thing : list.things()) {
     const Actions picks = list.actions("pick", thing);
-    const Actions done = with_outcome(picks, "success");
-    if (picks.empty()) continue;
-    if (are_all_done(picks)) list.add_unknown("never_failed", {.skill = "pick", .thing = thing});
     // The second attempt follows from how the first one ended.
     if (picks.size() != 2 || picks[0]->plan != picks[1]->plan || !picks[0]->over) continue;
     std::vector<ltm::MemoryId> links{*picks[0]->over};
@@ -98,6 +95,19 @@ void add_failures(const AnswerList& list) {
     shown.push_back(picks[0]->begun);
     list.add("explanations", {.what = "why_again", .skill = "pick", .thing = thing},
              answers::Reason{picks[0]->reason, std::move(links)}, std::move(shown));
+  }
+}
+
+/// Why something failed that never did.
+void add_no_failures(const AnswerList& list) {
+  std::vector<Asked> bases;
+  for (const std::string& thing : list.things())
+    for (const char* skill : {"pick", "place"}) bases.push_back({.skill = skill, .thing = thing});
+  for (const auto& [place, pose] : list.past.places)
+    bases.push_back({.skill = "navigate", .place = place});
+  for (const Asked& base : bases) {
+    const Actions all = list.actions(base.skill, base.thing, base.place);
+    if (!all.empty() && are_all_done(all)) list.add_unknown("never_failed", base);
   }
 }
 
@@ -114,6 +124,7 @@ void add_reason_answers(const AnswerList& list) {
   }
   add_stops(list);
   add_failures(list);
+  add_no_failures(list);
 }
 
 }  // namespace engram::speech::dialogues

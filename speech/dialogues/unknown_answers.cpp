@@ -50,9 +50,18 @@ void add_presuppositions(const AnswerList& list) {
     if (!is_seen) list.add_unknown("never_seen", {.thing = thing});
     if (list.actions("pick", thing).empty())
       list.add_unknown("never_done", {.skill = "pick", .thing = thing});
-    if (list.actions("place", thing).empty())
+    if (list.actions("place", thing).empty()) {
       list.add_unknown("never_done", {.skill = "place", .thing = thing});
+      continue;
+    }
+    // It was put down, but somewhere else.
+    for (const auto& [place, pose] : list.past.places)
+      if (list.actions("place", thing, place).empty())
+        list.add_unknown("never_done", {.skill = "place", .thing = thing, .place = place});
   }
+  for (const auto& [place, pose] : list.past.places)
+    if (list.actions("navigate", "", place).empty())
+      list.add_unknown("never_done", {.skill = "navigate", .place = place});
 }
 
 void add_strange_times(const AnswerList& list, std::mt19937_64& random) {

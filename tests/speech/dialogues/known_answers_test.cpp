@@ -93,6 +93,8 @@ TEST_F(KnownAnswersOfSeed1, TellWhatCameFirstLastAndAfter) {
             AnswerValue(answers::Events{{event("place", "08:00:48.550000")}}));
   EXPECT_EQ(answer("after_event", "coffee", "", "place"),
             AnswerValue(answers::Events{{event("look", "08:00:37.000000")}}));
+  EXPECT_EQ(answer("before_event", "coffee", "counter", "place"),
+            answer("before_event", "coffee", "", "place"));
   EXPECT_EQ(answer("before_event", "coffee", "", "place"),
             AnswerValue(answers::Events{{event("navigate", "08:00:29.350000")}}));
   EXPECT_EQ(answer("which_thing/pick:first"), names({"salt"}));
@@ -135,6 +137,9 @@ TEST_F(KnownAnswersOfSeed1, TellHowItWasDone) {
   EXPECT_EQ(answer("to_where/navigate:last"), names({"counter"}));
   EXPECT_EQ(answer("which_hand", "coffee", "", "place"), names({"right"}));
   EXPECT_EQ(answer("to_where", "coffee", "", "place"), names({"counter"}));
+  EXPECT_EQ(answer("which_hand", "coffee", "counter", "place"), names({"right"}));
+  EXPECT_EQ(answer("how_long", "coffee", "counter", "place"),
+            answer("how_long", "coffee", "", "place"));
   // It went to the table and back.
   EXPECT_TRUE(found("to_where", "salt", "", "place").empty());
   EXPECT_EQ(std::get<answers::Seconds>(answer("how_long", "coffee", "", "place")).value, 3.7);
@@ -246,11 +251,14 @@ TEST_F(KnownAnswersOfSeed1, TellWhatGoesOn) {
 
 TEST_F(KnownAnswersOfSeed1, KnowWhatDidNotHappen) {
   for (const KnownAnswer& one : known_) {
-    if (one.asked.what != "unanswerable:never_done") continue;
+    if (one.asked.what != "unanswerable:never_done" || !one.asked.place.empty()) continue;
     EXPECT_NE(one.asked.thing, "salt");
     EXPECT_NE(one.asked.thing, "coffee");
   }
   EXPECT_FALSE(found("unanswerable:never_done", "milk", "", "pick").empty());
+  // The coffee went to the counter, and nowhere else.
+  EXPECT_FALSE(found("unanswerable:never_done", "coffee", "table", "place").empty());
+  EXPECT_TRUE(found("unanswerable:never_done", "coffee", "counter", "place").empty());
   EXPECT_TRUE(found("unanswerable:never_stopped").empty());
 }
 
