@@ -19,12 +19,13 @@ Result<LivedPast> read_past(Memory& memory, const DialogueOptions& options);
 [[nodiscard]] std::deque<KnownAnswer> all_known(const LivedPast& past,
                                                 const DialogueOptions& options);
 
-/// Questions of one form: those whose answer is yes apart from those whose answer is no, so that a
-/// guess is right in half of them where both can be asked.
-using Alike = std::map<std::string, std::vector<const KnownAnswer*>>;
+/// Questions of one form: those whose answer is no or nothing apart from the others, so that to
+/// guess one of both is right in half of them where both can be asked; each by the time at which
+/// they are asked, so that no time has more of them because more is known then.
+using Alike = std::map<bool, std::map<Time, std::vector<const KnownAnswer*>>>;
 
-/// "yes", "no", or nothing where the answer is neither.
-[[nodiscard]] std::string sort_of(const KnownAnswer& known);
+/// Whether the answer is "no", "none" or 0.
+[[nodiscard]] bool tells_of_nothing(const KnownAnswer& known);
 
 [[nodiscard]] bool is_in(DialogueSplit split, const Dialogue& dialogue);
 

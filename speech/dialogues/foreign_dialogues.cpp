@@ -60,21 +60,26 @@ class ForeignMaker {
   /// Nothing: the recordings have nothing that the words fit.
   std::optional<Dialogue> make(const ForeignPhrasing& phrasing) {
     Alike alike;
-    for (const KnownAnswer* one : fitting(phrasing)) alike[sort_of(*one)].push_back(one);
+    for (const KnownAnswer* one : fitting(phrasing))
+      alike[tells_of_nothing(*one)][one->now].push_back(one);
     while (!alike.empty()) {
-      const auto sort = std::next(alike.begin(), static_cast<std::ptrdiff_t>(below(alike.size())));
-      std::vector<const KnownAnswer*>& all = sort->second;
-      while (!all.empty()) {
-        std::swap(all[below(all.size())], all.back());
-        auto made = filled(phrasing, *all.back());
-        if (made) return made;
-        all.pop_back();
-      }
-      alike.erase(sort);
+      const auto sort = one_of(alike);
+      const auto at_time = one_of(sort->second);
+      std::vector<const KnownAnswer*>& all = at_time->second;
+      std::swap(all[below(all.size())], all.back());
+      auto made = filled(phrasing, *all.back());
+      if (made) return made;
+      all.pop_back();
+      if (all.empty()) sort->second.erase(at_time);
+      if (sort->second.empty()) alike.erase(sort);
     }
     return {};
   }
 
+  template <typename Key, typename Value>
+  typename std::map<Key, Value>::iterator one_of(std::map<Key, Value>& all) {
+    return std::next(all.begin(), static_cast<std::ptrdiff_t>(below(all.size())));
+  }
   size_t below(size_t count) { return static_cast<size_t>(random_() % count); }
 
  private:

@@ -25,7 +25,7 @@ class Chooser {
     for (const KnownAnswer& one : known) {
       // A form without words cannot be asked.
       if (!worded(one).empty())
-        by_family_[one.family][form_of(one.asked)][sort_of(one)].push_back(&one);
+        by_family_[one.family][form_of(one.asked)][tells_of_nothing(one)][one.now].push_back(&one);
     }
   }
 
@@ -33,9 +33,15 @@ class Chooser {
   const KnownAnswer* choose(const std::string& family) {
     const auto found = by_family_.find(family);
     if (found == by_family_.end()) return nullptr;
-    const auto form = std::next(found->second.begin(), below(found->second.size()));
-    const auto alike = std::next(form->second.begin(), below(form->second.size()));
-    return alike->second[static_cast<size_t>(below(alike->second.size()))];
+    return one_of(one_of(one_of(one_of(found->second))));
+  }
+
+  template <typename Key, typename Value>
+  const Value& one_of(const std::map<Key, Value>& all) {
+    return std::next(all.begin(), below(all.size()))->second;
+  }
+  const KnownAnswer* one_of(const std::vector<const KnownAnswer*>& all) {
+    return all[static_cast<size_t>(below(all.size()))];
   }
 
   std::ptrdiff_t below(size_t count) { return static_cast<std::ptrdiff_t>(random_() % count); }
@@ -48,10 +54,10 @@ class Chooser {
 
 }  // namespace
 
-std::string sort_of(const KnownAnswer& known) {
-  const auto* answer = std::get_if<answers::YesNo>(&known.value);
-  if (answer == nullptr) return {};
-  return answer->value ? "yes" : "no";
+bool tells_of_nothing(const KnownAnswer& known) {
+  const AnswerValue& value = known.value;
+  return value == AnswerValue(answers::YesNo{false}) || value == AnswerValue(answers::Count{0}) ||
+         value == AnswerValue(answers::Names{}) || value == AnswerValue(answers::Events{});
 }
 
 std::vector<std::string> plain_words(const KnownAnswer& known) {
