@@ -88,12 +88,14 @@ def make_dialogues(arguments, stores):
     count = -(-arguments.questions // len(stores))
     # Of the words of others all that fit are made, and then chosen among the kitchens.
     words = (["--phrasings", arguments.phrasings] if arguments.phrasings
-             else ["--count", count])
+             else ["--written"] if arguments.written else ["--count", count])
     by_store = {}
     for number, store in enumerate(stores):
         lines = run(arguments.make_dialogues, store, "--seed", arguments.seed + number, "--split",
                     arguments.split, "--careless", arguments.careless, *words)
         by_store[store] = [json.loads(line) for line in lines.splitlines()]
+    if arguments.written:
+        return chosen_evenly(by_store, arguments.questions, arguments.seed), None
     if arguments.phrasings:
         chosen = chosen_evenly(by_store, arguments.questions, arguments.seed)
         return chosen, lines_asked(arguments.phrasings, by_store, chosen)
@@ -148,6 +150,11 @@ def trimmed(by_store, count):
     return by_store
 
 
+def ask_options(arguments):
+    network = ["--attention", arguments.attention] if arguments.attention else []
+    return ["--route", arguments.route, *network]
+
+
 def ask(arguments, store, dialogues):
     """Asks each at its time, or at the last moment of the store where it has none."""
     file = arguments.work / "questions.jsonl"
@@ -155,7 +162,7 @@ def ask(arguments, store, dialogues):
              for one in dialogues]
     file.write_text("".join(json.dumps(one) + "\n" for one in asked))
     lines = run(arguments.engram, "ask", store, "--questions", file, "--json",
-                *arguments.ask_options).splitlines()
+                *ask_options(arguments)).splitlines()
     answers = [json.loads(line) for line in lines if line.strip()]
     if len(answers) != len(dialogues):
         sys.exit(f"{store}: {len(dialogues)} questions got {len(answers)} answers")
@@ -263,13 +270,22 @@ def summary(rows):
         "blind": share(answerable, "blind"),
         "unanswerable_refused": share(
             [row for row in rows if not row["dialogue"]["answerable"]], "refused"),
-        "said": len(said), "said_with_evidence": share(said, "has_evidence"),
+        "said": len(said), "routes": share_of_routes(said),
+        "said_with_evidence": share(said, "has_evidence"),
         "said_of_later": share(said, "knows_later"),
         "provable": len(provable), "right_and_shown": share(provable, "right_and_shown"),
         "right_that_are_shown": share([row for row in provable if row["right"]], "is_shown"),
         "p50_ms": percentile(took, 0.5), "p95_ms": percentile(took, 0.95),
         "families": {one: families[one] for one in FAMILIES if one in families},
         "forms": share_of_groups(rows, "form"), "held_out": held_out}
+
+
+def share_of_routes(said):
+    """What each route says, and how much of it is right."""
+    routes = collections.defaultdict(list)
+    for row in said:
+        routes[row["answer"]["route"]].append(row)
+    return {route: {"said": len(of), "right": share(of, "right")} for route, of in routes.items()}
 
 
 def percent(value):
@@ -283,6 +299,9 @@ def print_summary(figures):
               f"{percent(one['refused']):>8} {percent(one['blind']):>8}")
     for what, one in figures["held_out"].items():
         print(f"new {what + ':':11} {one['questions']:9} {percent(one['right']):>8}")
+    for route, one in figures["routes"].items():
+        print(f"said by {route + ':':15} {one['said']:6}, of these right "
+              f"{percent(one['right'])}")
     rows = [("right, of what can be answered", percent(figures["right"]), "97 %"),
             ("the same, blind", percent(figures["blind"]), "printed"),
             ("refused, of what cannot be", percent(figures["unanswerable_refused"]), "95 %"),
@@ -319,7 +338,11 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("build/ask"))
     parser.add_argument("--json", type=pathlib.Path, help="file for the figures")
     parser.add_argument("--rows", type=pathlib.Path, help="file for each question with its answer")
-    parser.add_argument("--ask-options", nargs="*", default=[], help="more options of engram ask")
+    parser.add_argument("--written", action="store_true",
+                        help="questions in the wordings that come with Engram")
+    parser.add_argument("--attention", type=pathlib.Path,
+                        help="a network of engram learn-answers")
+    parser.add_argument("--route", default="auto", choices=["auto", "program", "attention"])
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
     stores = simulate_days(arguments) if arguments.days else simulate(arguments)
