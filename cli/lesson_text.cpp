@@ -11,13 +11,14 @@ std::string lesson_text(const speech::LessonReport& report, const std::filesyste
       "the grammar does not answer rightly in plain words, and {} that the network's language has "
       "not got\n"
       "  trained {:.0f} s: {} steps with {} examples, {:.2f} million parameters, loss {:.3f}\n"
-      "  of {} held-out questions {:.1f} % are read rightly; from a confidence of {:.3f} on {:.1f} "
+      "  of {} held-out questions {:.1f} % are read rightly, of those in new words {:.1f} %; from "
+      "a confidence of {:.3f} on {:.1f} "
       "% are told, of these {:.1f} % rightly\n"
       "  {}",
       made.dialogues, made.programs, made.refusals, made.unread, made.unlike, learned.seconds,
       learned.steps, learned.examples, static_cast<double>(learned.parameters) / 1e6, learned.loss,
-      learned.held_out, 100 * learned.read_rightly, learned.min_confidence, 100 * learned.told,
-      100 * learned.told_rightly, file.string());
+      learned.held_out, 100 * learned.read_rightly, 100 * learned.new_wordings_read_rightly,
+      learned.min_confidence, 100 * learned.told, 100 * learned.told_rightly, file.string());
 }
 
 Json lesson_json(const speech::LessonReport& report, const std::filesystem::path& file) {
@@ -36,6 +37,7 @@ Json lesson_json(const speech::LessonReport& report, const std::filesystem::path
           {"seconds", learned.seconds},
           {"loss", learned.loss},
           {"read_rightly", learned.read_rightly},
+          {"new_wordings_read_rightly", learned.new_wordings_read_rightly},
           {"min_confidence", learned.min_confidence},
           {"told", learned.told},
           {"told_rightly", learned.told_rightly}};

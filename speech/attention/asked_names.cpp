@@ -88,6 +88,12 @@ AttentionInput::Word number_of_time(std::string_view key) {
 
 }  // namespace
 
+bool is_name(const AttentionInput::Word& word) {
+  constexpr std::array kKinds{"thing", "place", "person", "hand", "skill"};
+  return std::any_of(kKinds.begin(), kKinds.end(),
+                     [&](const char* kind) { return word[0] == number_of("kind:", kind); });
+}
+
 AskedNames::AskedNames(const QuestionInWords& question, const Lexicon& lexicon) {
   for (const TaggedWord& word : question.words) {
     if (word.tag == WordTag::kThing) add_once(things, word.value);

@@ -30,4 +30,7 @@ struct AskedNames {
 [[nodiscard]] std::vector<AttentionInput::Word> numbers_of_words(const QuestionInWords& question,
                                                                  const AskedNames& names);
 
+/// Whether these are the numbers of a name.
+[[nodiscard]] bool is_name(const AttentionInput::Word& word);
+
 }  // namespace engram::speech

@@ -48,7 +48,8 @@ class MentionBits {
     }
   }
   [[nodiscard]] bool is_too_many() const { return count_ > 20; }
-  [[nodiscard]] Mentions all() const { return (Mentions{1} << count_) - 1; }
+  /// Those that a program must have. "Left" and "right" are no hands in "what was left to do".
+  [[nodiscard]] Mentions needed() const { return (Mentions{1} << first_.back()) - 1; }
   [[nodiscard]] Mentions thing(size_t i) const { return bit(0, i); }
   [[nodiscard]] Mentions place(size_t i) const { return bit(1, i); }
   [[nodiscard]] Mentions person(size_t i) const { return bit(2, i); }
@@ -243,7 +244,8 @@ std::optional<AttendedProgram> program_of(const AttentionScores::Reading& readin
   double score = -std::numeric_limits<double>::infinity();
   for (const ChosenFilters& one : mains)
     for (const ChosenFilters& two : others) {
-      if ((one.mentions | two.mentions) != bits.all() || one.score + two.score <= score) continue;
+      const Mentions said = one.mentions | two.mentions;
+      if ((said & bits.needed()) != bits.needed() || one.score + two.score <= score) continue;
       main = &one;
       other = &two;
       score = one.score + two.score;

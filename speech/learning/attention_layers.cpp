@@ -8,7 +8,7 @@ namespace engram::speech {
 namespace {
 
 using Shape = AttentionShape;
-constexpr double kDropout = 0.1;
+constexpr double kDropout = 0.15;
 
 torch::nn::Sequential two_layers() {
   return torch::nn::Sequential(

@@ -77,6 +77,8 @@ class ExampleMaker {
     for (const AttentionInput::Traits& traits : asked->input.groups)
       example.groups.push_back(packed(traits));
     example.is_held_out = !dialogue.held_out.empty();
+    example.is_new_wording = std::find(dialogue.held_out.begin(), dialogue.held_out.end(),
+                                       "phrasing") != dialogue.held_out.end();
     if (is_unknown(dialogue.value)) {
       example.symbols = {kRefusalSymbol, kEndSymbol};
       example.main.assign(example.groups.size(), 2);

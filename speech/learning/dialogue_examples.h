@@ -22,8 +22,9 @@ struct AttentionExample {
   std::vector<int32_t> symbols;  ///< With kEndSymbol.
   /// For each group: 1 if the program keeps it, 0 if not, 2 if it is of another source.
   std::vector<uint8_t> main;
-  std::vector<uint8_t> other;  ///< Of the program within; empty: there is none.
-  bool is_held_out = false;    ///< Of wording or name: for measurements.
+  std::vector<uint8_t> other;   ///< Of the program within; empty: there is none.
+  bool is_held_out = false;     ///< Of wording, name or seed: for measurements.
+  bool is_new_wording = false;  ///< Its wording is held out.
 };
 
 /// Turns a float that is no trait beyond 0..3.98 to its nearest 64th, and back.

@@ -7,6 +7,7 @@
 
 #include "encoders/threads.h"
 #include "ltm/core/log.h"
+#include "speech/attention/asked_names.h"
 #include "speech/attention/program_symbols.h"
 #include "speech/learning/attention_batch.h"
 #include "speech/learning/attention_weights.h"
@@ -18,8 +19,13 @@ namespace {
 
 constexpr size_t kMinExamples = 100;
 constexpr int64_t kWarmUpSteps = 300;
-/// A word that is not a name is one that nobody knows so often, as in the questions of others.
-constexpr double kForgottenWords = 0.06;
+/// A word that is no name is left out so often, and so often one of its parts, which are its verb,
+/// its spelling and its base form: others use other words for the same.
+constexpr double kForgottenWords = 0.08;
+constexpr double kForgottenParts = 0.15;
+/// What is kept is a mean of the weights over the last steps, which reads better than those of any
+/// step (Polyak and Juditsky, 1992).
+constexpr double kMeanDecay = 0.998;
 constexpr size_t kMaxMeasured = 3000;
 constexpr size_t kBatchesInWindow = 16;
 
@@ -53,6 +59,7 @@ torch::Tensor loss_of(AttentionLayers& layers, const LearnedBatch& batch) {
 
 /// Whether the likeliest reading is the one that was to be learned, and how sure it is.
 struct Judged {
+  bool is_new_wording = false;
   double confidence = 0;
   bool is_right = false;
   bool is_refusal = false;
@@ -76,7 +83,7 @@ Judged judge(AttentionLayers& layers, const AttentionExample& example) {
   const AttentionScores scores = read_by_attention(layers, input);
   if (scores.readings.empty()) return {};
   const AttentionScores::Reading& best = scores.readings.front();
-  Judged judged;
+  Judged judged{.is_new_wording = example.is_new_wording};
   judged.is_refusal = best.symbols.front() == kRefusalSymbol;
   judged.is_right = best.symbols == example.symbols;
   judged.confidence = std::exp(best.log_probability);
@@ -128,9 +135,13 @@ class Fit {
       loss.backward();
       torch::nn::utils::clip_grad_norm_(layers_->parameters(), 1.0);
       optimiser.step();
+      take_mean();
       tell(loss.item<double>(), share, budget, progress);
     }
     report_.seconds = to_seconds(steady_now() - began);
+    torch::NoGradGuard no_gradient;
+    const auto weights = layers_->parameters();
+    for (size_t i = 0; i < weights.size() && !mean_.empty(); ++i) weights[i].copy_(mean_[i]);
     return {};
   }
 
@@ -153,6 +164,17 @@ class Fit {
   }
 
  private:
+  void take_mean() {
+    torch::NoGradGuard no_gradient;
+    const auto weights = layers_->parameters();
+    if (mean_.empty())
+      for (const torch::Tensor& tensor : weights) mean_.push_back(tensor.clone());
+    // The first steps are soon forgotten.
+    const double decay = std::min(kMeanDecay, static_cast<double>(report_.steps + 1) /
+                                                  static_cast<double>(report_.steps + 10));
+    for (size_t i = 0; i < weights.size(); ++i) mean_[i].mul_(decay).add_(weights[i], 1 - decay);
+  }
+
   void set_rate(torch::optim::AdamW& optimiser, double share) const {
     const double warm = std::min(1.0, static_cast<double>(report_.steps + 1) / kWarmUpSteps);
     const double cool = 0.02 + 0.98 * 0.5 * (1 + std::cos(M_PI * std::min(share, 1.0)));
@@ -167,23 +189,27 @@ class Fit {
     const auto wanted = static_cast<size_t>(options_.batch);
     const size_t window = std::min(learned_.size(), wanted * kBatchesInWindow);
     const size_t first = random_() % (learned_.size() - window + 1);
-    std::uniform_real_distribution<double> share(0, 1);
     std::vector<AttentionExample> chosen;
     for (size_t i = 0; i < wanted; ++i) {
       AttentionExample one = *learned_[first + random_() % window];
-      for (AttentionInput::Word& word : one.words)
-        if (share(random_) < kForgottenWords) forget(word);
+      for (AttentionInput::Word& word : one.words) forget(word);
       chosen.push_back(std::move(one));
     }
     return chosen;
   }
 
-  /// Its first parts are what it is; names have but two.
-  static void forget(AttentionInput::Word& word) {
+  /// A name has two parts; of what a time is, there is one.
+  void forget(AttentionInput::Word& word) {
     const auto count =
         std::count_if(word.begin(), word.end(), [](int32_t part) { return part != 0; });
-    if (count != 2 || word[0] == word[1]) return;
-    word[0] = 0;
+    if (count < 2 || is_name(word)) return;
+    std::uniform_real_distribution<double> share(0, 1);
+    if (share(random_) < kForgottenWords) {
+      word.fill(0);
+      return;
+    }
+    for (int32_t& part : word)
+      if (share(random_) < kForgottenParts) part = 0;
   }
 
   void tell(double loss, double share, double budget, const ProgressSink& progress) {
@@ -206,6 +232,14 @@ class Fit {
         static_cast<double>(
             std::count_if(all.begin(), all.end(), [](const Judged& one) { return one.is_right; })) /
         count;
+    const auto new_wordings =
+        std::count_if(all.begin(), all.end(), [](const Judged& one) { return one.is_new_wording; });
+    if (new_wordings > 0)
+      report_.new_wordings_read_rightly =
+          static_cast<double>(
+              std::count_if(all.begin(), all.end(),
+                            [](const Judged& one) { return one.is_new_wording && one.is_right; })) /
+          static_cast<double>(new_wordings);
     std::erase_if(all, [](const Judged& one) { return one.is_refusal; });
     std::sort(all.begin(), all.end(),
               [](const Judged& a, const Judged& b) { return a.confidence > b.confidence; });
@@ -226,6 +260,7 @@ class Fit {
   std::vector<const AttentionExample*> learned_;
   std::vector<const AttentionExample*> held_out_;
   AttentionLayers layers_{nullptr};
+  std::vector<torch::Tensor> mean_;  ///< Of the weights.
   LearnReport report_;
 };
 

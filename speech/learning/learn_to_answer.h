@@ -35,6 +35,7 @@ struct LearnReport {
   double loss = 0;  ///< The mean of the last hundred steps.
   /// Of the held-out examples: those whose symbols and selection are all right,
   double read_rightly = 0;
+  double new_wordings_read_rightly = 0;  ///< The same of those whose wording is held out.
   /// those that the least confidence lets through, and how many of these are right.
   double told = 0;
   double told_rightly = 0;
