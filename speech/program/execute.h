@@ -8,7 +8,7 @@
 namespace engram::speech {
 
 /// Executes a program on what a memory knows. `now` is what relative times count from; nothing
-/// after it is looked at.
+/// after it is looked at, and what ended later is running (FactsAsOf).
 ///
 /// What nothing tells of is unknown, and nothing is guessed: where the filters name a thing, a
 /// place, a skill or a person that the memory does not know, where they keep no record that a step

@@ -101,19 +101,19 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
 
 /// The execution right before the first of these, or right after the last.
 void ProgramRun::go_to_neighbour(int by) {
-  const std::vector<Execution>& all = facts_.executions();
-  const ltm::MemoryId from =
-      by < 0 ? outcome_.executions.front().start_id : outcome_.executions.back().start_id;
-  const auto here = std::find_if(all.begin(), all.end(), [&](const Execution& execution) {
-    return execution.start_id == from;
+  const std::vector<const Execution*>& all = facts_.executions();
+  const Execution beside = by < 0 ? outcome_.executions.front() : outcome_.executions.back();
+  // They are in the order of their starts, and IDs are compared only where these are equal.
+  const auto here = std::find_if(all.begin(), all.end(), [&](const Execution* execution) {
+    return execution->started == beside.started && execution->start_id == beside.start_id;
   });
   const bool has_one = by < 0 ? here != all.begin() : std::next(here) != all.end();
-  if (!has_one || std::next(here, by)->started > now_) {
+  if (!has_one) {
     miss(by < 0 ? "nothing was done before it" : "nothing was done after it");
     return;
   }
-  outcome_.cite(from, "beside it");
-  outcome_.executions = std::vector<Execution>{*std::next(here, by)};
+  outcome_.cite(beside.start_id, "beside it");
+  outcome_.executions = std::vector<Execution>{**std::next(here, by)};
 }
 
 void ProgramRun::tell_how_long() {

@@ -6,9 +6,10 @@
 namespace engram::speech {
 
 void Outcome::cite(const ltm::MemoryId& id, std::string_view role) {
+  if (evidence.size() >= kMaxEvidence || id.time().value_or(now) > now) return;
   const bool is_cited = std::any_of(evidence.begin(), evidence.end(),
                                     [&](const Evidence& known) { return known.id == id; });
-  if (!is_cited && evidence.size() < kMaxEvidence) evidence.push_back({id, std::string(role)});
+  if (!is_cited) evidence.push_back({id, std::string(role)});
 }
 
 void Outcome::cite(const Execution& execution) {

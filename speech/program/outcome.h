@@ -38,9 +38,9 @@ struct Outcome {
   std::vector<TaskPlan> plans;
   std::vector<ThingState> states;
   std::vector<PlannedStep> steps;  ///< Of the step `instead`.
-  Time now{};
+  Time now = Time::max();          ///< When it was asked.
 
-  /// Adds an ID once, and no more than kMaxEvidence.
+  /// Adds an ID once, no more than kMaxEvidence, and none of a snapshot after `now`.
   void cite(const ltm::MemoryId& id, std::string_view role);
   /// Cites both events of an execution.
   void cite(const Execution& execution);

@@ -9,10 +9,11 @@ namespace {
 
 /// The step of its plan that an execution carries out; nothing where it is none. A second attempt
 /// is of the same step, so only the step tells, not how many executions there were.
-std::optional<size_t> step_of(const TaskPlan& plan, const std::vector<Execution>& all,
+std::optional<size_t> step_of(const TaskPlan& plan, const std::vector<const Execution*>& all,
                               const Execution& execution) {
   std::optional<size_t> step;
-  for (const Execution& other : all) {
+  for (const Execution* one : all) {
+    const Execution& other = *one;
     if (other.plan != execution.plan || other.started > execution.started) continue;
     const auto carries = [&](size_t index) {
       const PlannedStep& planned = plan.steps[index];
@@ -37,14 +38,13 @@ void ProgramRun::tell_retried() {
   bool is_retried = false;
   for (const Execution& execution : asked) {
     outcome_.cite(execution);
-    for (const Execution& later : facts_.executions()) {
-      if (later.started <= execution.started || later.started > now_ ||
-          later.skill != execution.skill || later.thing != execution.thing ||
-          later.plan != execution.plan)
+    for (const Execution* later : facts_.executions()) {
+      if (later->started <= execution.started || later->skill != execution.skill ||
+          later->thing != execution.thing || later->plan != execution.plan)
         continue;
       is_retried = true;
-      outcome_.cite(later);
-      outcome_.executions.push_back(later);
+      outcome_.cite(*later);
+      outcome_.executions.push_back(*later);
       break;
     }
   }

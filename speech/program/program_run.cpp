@@ -38,7 +38,7 @@ size_t ProgramRun::size() const {
 }
 
 Result<std::optional<Time>> ProgramRun::inner_time(const Program& program) {
-  ENGRAM_ASSIGN_OR_RETURN(const Outcome inner, ProgramRun(program, facts_, now_, zone_).run());
+  ENGRAM_ASSIGN_OR_RETURN(const Outcome inner, ProgramRun(program, facts_, zone_).run());
   const auto* moment = std::get_if<answers::Moment>(&inner.value);
   if (moment == nullptr) {
     miss(inner.missing);
@@ -50,7 +50,7 @@ Result<std::optional<Time>> ProgramRun::inner_time(const Program& program) {
 
 Result<Outcome> ProgramRun::run() {
   outcome_.looked_for = looked_for(program_);
-  ENGRAM_ASSIGN_OR_RETURN(RecordFilter filter, RecordFilter::create(program_, facts_, now_, zone_,
+  ENGRAM_ASSIGN_OR_RETURN(RecordFilter filter, RecordFilter::create(program_, facts_, zone_,
                                                                     [this](const Program& inner) {
                                                                       return inner_time(inner);
                                                                     }));
@@ -77,9 +77,9 @@ Status ProgramRun::collect(RecordFilter& filter) {
   };
   switch (program_.source) {
     case ProgramSource::kExecutions:
-      for (const Execution& execution : facts_.executions()) {
-        ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, filter.keeps(execution));
-        if (is_kept) outcome_.executions.push_back(execution);
+      for (const Execution* execution : facts_.executions()) {
+        ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, filter.keeps(*execution));
+        if (is_kept) outcome_.executions.push_back(*execution);
       }
       return {};
     case ProgramSource::kWords:
@@ -172,11 +172,11 @@ bool ProgramRun::select(const ProgramStep& step) {
 bool ProgramRun::cite_looked_at(const Period& period) {
   const Execution* first = nullptr;
   const Execution* last = nullptr;
-  for (const Execution& execution : facts_.executions()) {
-    if (execution.started > period.to || (execution.ended && *execution.ended < period.from))
+  for (const Execution* execution : facts_.executions()) {
+    if (execution->started > period.to || (execution->ended && *execution->ended < period.from))
       continue;
-    if (first == nullptr) first = &execution;
-    last = &execution;
+    if (first == nullptr) first = execution;
+    last = execution;
   }
   const SpokenWords* heard = nullptr;
   for (const SpokenWords& words : facts_.words())
@@ -205,8 +205,7 @@ void ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
   if (size() > 0) return;
   // Where things are is told by their states, which were all looked at.
   if (program_.source == ProgramSource::kThings) {
-    for (const KnownThing& thing : facts_.world().things())
-      if (thing.entity && outcome_.evidence.size() < 3) outcome_.cite(thing.evidence, "looked at");
+    for (const ThingState& state : looked_at_) outcome_.cite(state.id, "looked at");
     if (outcome_.evidence.empty()) miss("the memory has no thing");
     return;
   }
@@ -217,7 +216,7 @@ void ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
 
 Status ProgramRun::compare(const ProgramStep& step) {
   ENGRAM_ASSIGN_OR_RETURN(const Outcome other,
-                          ProgramRun(*step.argument->program, facts_, now_, zone_).run());
+                          ProgramRun(*step.argument->program, facts_, zone_).run());
   if (is_unknown(other.value)) {
     miss(other.missing);
     return {};
@@ -245,7 +244,8 @@ Status ProgramRun::compare(const ProgramStep& step) {
 
 Result<Outcome> execute(const Program& program, KnownFacts& facts, Time now, DayZone zone) {
   ENGRAM_RETURN_IF_ERROR(program.validate());
-  return ProgramRun(program, facts, now, zone).run();
+  FactsAsOf as_of(facts, now);
+  return ProgramRun(program, as_of, zone).run();
 }
 
 }  // namespace engram::speech

@@ -3,6 +3,7 @@
 
 // Private to this room: one execution of a program.
 
+#include "speech/facts/facts_as_of.h"
 #include "speech/program/execute.h"
 #include "speech/program/record_filter.h"
 
@@ -13,10 +14,10 @@ namespace engram::speech {
 /// Threading: one thread.
 class ProgramRun {
  public:
-  ProgramRun(const Program& program, KnownFacts& facts, Time now, DayZone zone)
-      : program_(program), facts_(facts), now_(now), zone_(zone) {
+  ProgramRun(const Program& program, FactsAsOf& facts, DayZone zone)
+      : program_(program), facts_(facts), now_(facts.now()), zone_(zone) {
     outcome_.program = program;
-    outcome_.now = now;
+    outcome_.now = now_;
   }
 
   /// Errors: those of execute().
@@ -27,6 +28,7 @@ class ProgramRun {
   Status collect(RecordFilter& filter);
   Status collect_things(RecordFilter& filter);
   Status collect_robot(const RecordFilter& filter);
+  Status look_at_things(const RecordFilter& filter, Time at);
   Status apply(const ProgramStep& step, const RecordFilter& filter);
   Status compare(const ProgramStep& step);
   Result<std::optional<Time>> inner_time(const Program& program);
@@ -71,13 +73,14 @@ class ProgramRun {
   bool cite_looked_at(const Period& period);
 
   const Program& program_;
-  KnownFacts& facts_;
+  FactsAsOf& facts_;
   const Time now_;
   const DayZone zone_;
   Outcome outcome_;
   std::vector<RefusedRequest> refusals_;
   std::vector<DriveNote> drives_;
   std::optional<RobotState> robot_;
+  std::vector<ThingState> looked_at_;  ///< Among which the filters chose.
 };
 
 }  // namespace engram::speech

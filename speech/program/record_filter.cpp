@@ -42,11 +42,11 @@ bool is_speaker_known(const KnownFacts& facts, const std::string& lower) {
 
 }  // namespace
 
-Result<RecordFilter> RecordFilter::create(const Program& program, KnownFacts& facts, Time now,
-                                          DayZone zone, const InnerTime& inner) {
-  RecordFilter filter(facts, now);
+Result<RecordFilter> RecordFilter::create(const Program& program, FactsAsOf& facts, DayZone zone,
+                                          const InnerTime& inner) {
+  RecordFilter filter(facts);
   filter.take_names(program);
-  ENGRAM_RETURN_IF_ERROR(filter.take_times(program, now, zone, inner));
+  ENGRAM_RETURN_IF_ERROR(filter.take_times(program, zone, inner));
   return filter;
 }
 
@@ -77,7 +77,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
       break;
     case FilterKey::kSkill: {
       skills_ = comma_parts(lower);
-      const auto& known = facts_->skills();
+      const auto& known = facts_->names().skills();
       const bool is_known = std::any_of(skills_.begin(), skills_.end(), [&](const auto& name) {
         return std::find(known.begin(), known.end(), name.substr(name.rfind('/') + 1)) !=
                known.end();
@@ -88,7 +88,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
     case FilterKey::kSpeaker:
       speakers_ = comma_parts(lower);
       for (const std::string& speaker : speakers_)
-        if (!is_speaker_known(*facts_, speaker)) miss("person who spoke");
+        if (!is_speaker_known(facts_->names(), speaker)) miss("person who spoke");
       break;
     case FilterKey::kHand:
       hand_ = lower;
@@ -113,8 +113,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
   }
 }
 
-Status RecordFilter::take_times(const Program& program, Time now, DayZone zone,
-                                const InnerTime& inner) {
+Status RecordFilter::take_times(const Program& program, DayZone zone, const InnerTime& inner) {
   for (const ProgramFilter& filter : program.filters) {
     const bool is_time = filter.key == FilterKey::kDuring || filter.key == FilterKey::kAt ||
                          filter.key == FilterKey::kAfter || filter.key == FilterKey::kBefore;
@@ -129,7 +128,7 @@ Status RecordFilter::take_times(const Program& program, Time now, DayZone zone,
       }
       period = {*time, *time};
     } else {
-      ENGRAM_ASSIGN_OR_RETURN(period, resolve_period(filter.value.text, now, zone));
+      ENGRAM_ASSIGN_OR_RETURN(period, resolve_period(filter.value.text, facts_->now(), zone));
     }
     if (filter.key == FilterKey::kAt) at_ = period;
     if (filter.key == FilterKey::kDuring) {
@@ -224,7 +223,7 @@ bool RecordFilter::keeps(const DriveNote& note) const {
          (kind_.empty() || note.kind == kind_) && (!at_ || at_->contains(note.time));
 }
 
-Result<std::optional<SpokenWords>> words_of(KnownFacts& facts, const Execution& execution) {
+Result<std::optional<SpokenWords>> words_of(FactsAsOf& facts, const Execution& execution) {
   // The plan and its command are in the index; other links must be read.
   const TaskPlan* plan = execution.plan ? facts.plan_at(*execution.plan) : nullptr;
   if (plan != nullptr && plan->command)
@@ -235,7 +234,7 @@ Result<std::optional<SpokenWords>> words_of(KnownFacts& facts, const Execution& 
   return std::optional<SpokenWords>();
 }
 
-Result<std::string> speaker_of(KnownFacts& facts, const Execution& execution) {
+Result<std::string> speaker_of(FactsAsOf& facts, const Execution& execution) {
   ENGRAM_ASSIGN_OR_RETURN(const auto words, words_of(facts, execution));
   return words ? words->speaker : std::string();
 }

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "speech/facts/known_facts.h"
+#include "speech/facts/facts_as_of.h"
 #include "speech/program/period.h"
 #include "speech/program/program.h"
 
@@ -20,8 +20,8 @@ class RecordFilter {
   using InnerTime = std::function<Result<std::optional<Time>>(const Program&)>;
 
   /// Errors: kInvalidArgument where a time cannot be read; those of `inner`.
-  static Result<RecordFilter> create(const Program& program, KnownFacts& facts, Time now,
-                                     DayZone zone, const InnerTime& inner);
+  static Result<RecordFilter> create(const Program& program, FactsAsOf& facts, DayZone zone,
+                                     const InnerTime& inner);
 
   /// Why no record can be kept, as a clause; empty: there is no such reason.
   [[nodiscard]] const std::string& missing() const { return missing_; }
@@ -45,11 +45,11 @@ class RecordFilter {
   [[nodiscard]] const std::optional<Period>& at() const { return at_; }
 
  private:
-  RecordFilter(KnownFacts& facts, Time now) : facts_(&facts) { begun_.to = now; }
+  explicit RecordFilter(FactsAsOf& facts) : facts_(&facts) { begun_.to = facts.now(); }
 
   void take_names(const Program& program);
   void take_name(FilterKey key, const std::string& text);
-  Status take_times(const Program& program, Time now, DayZone zone, const InnerTime& inner);
+  Status take_times(const Program& program, DayZone zone, const InnerTime& inner);
   [[nodiscard]] bool is_begun(Time time) const;
   [[nodiscard]] bool has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const;
   [[nodiscard]] bool has_skill(const std::string& provider, const std::string& skill) const;
@@ -57,7 +57,7 @@ class RecordFilter {
   [[nodiscard]] bool is_speaker(const std::string& speaker) const;
   [[nodiscard]] bool has_outcome(const Execution& execution) const;
 
-  KnownFacts* facts_;
+  FactsAsOf* facts_;
   std::string missing_;
   std::vector<ltm::MemoryId> things_;
   std::vector<ltm::MemoryId> places_;
@@ -76,8 +76,8 @@ class RecordFilter {
 };
 
 /// Whose words caused an execution; empty: nobody's that the memory knows.
-Result<std::string> speaker_of(KnownFacts& facts, const Execution& execution);
+Result<std::string> speaker_of(FactsAsOf& facts, const Execution& execution);
 /// Those words; nothing where there are none.
-Result<std::optional<SpokenWords>> words_of(KnownFacts& facts, const Execution& execution);
+Result<std::optional<SpokenWords>> words_of(FactsAsOf& facts, const Execution& execution);
 
 }  // namespace engram::speech

@@ -44,6 +44,9 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
                                                            filter.begun().to, is_seen));
       if (seen) states.push_back(*std::move(seen));
     }
+    if (states.empty()) {
+      ENGRAM_RETURN_IF_ERROR(look_at_things(filter, filter.begun().to));
+    }
   } else if (filter.has_things()) {
     for (const ltm::MemoryId& thing : filter.things()) {
       ENGRAM_ASSIGN_OR_RETURN(auto state, facts_.thing_at(thing, at));
@@ -52,8 +55,8 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
   } else {
     ENGRAM_ASSIGN_OR_RETURN(states, facts_.things_at(at));
   }
+  looked_at_.insert(looked_at_.end(), states.begin(), states.end());
   for (ThingState& state : states) {
-    if (filter.has_things() && !is_among(filter.things(), state.id.entity())) continue;
     if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
     if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, at)) continue;
     if (!filter.hand().empty() && lower_ascii(state.held_by) != filter.hand()) continue;
@@ -64,6 +67,15 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
     }
     outcome_.states.push_back(std::move(state));
   }
+  return {};
+}
+
+/// Takes the states of the things that are asked about, or of all, for a time at which none fits.
+Status ProgramRun::look_at_things(const RecordFilter& filter, Time at) {
+  ENGRAM_ASSIGN_OR_RETURN(looked_at_, facts_.things_at(at));
+  std::erase_if(looked_at_, [&](const ThingState& state) {
+    return filter.has_things() && !is_among(filter.things(), state.id.entity());
+  });
   return {};
 }
 
@@ -148,9 +160,9 @@ void ProgramRun::tell_where_robot() {
   outcome_.cite(place->evidence, "place");
   // Where it drove to last says the same in other words.
   const Execution* last = nullptr;
-  for (const Execution& execution : facts_.executions())
-    if (execution.ended && *execution.ended <= robot_->time && execution.place == place->entity)
-      last = &execution;
+  for (const Execution* execution : facts_.executions())
+    if (execution->ended && *execution->ended <= robot_->time && execution->place == place->entity)
+      last = execution;
   if (last != nullptr) outcome_.cite(*last);
   outcome_.value = answers::Names{{place->spoken}};
 }

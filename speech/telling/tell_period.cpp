@@ -5,6 +5,7 @@
 #include <map>
 
 #include "ltm/core/printable.h"
+#include "speech/facts/facts_as_of.h"
 #include "speech/telling/phrases.h"
 
 namespace engram::speech {
@@ -34,12 +35,13 @@ struct ToldChapter {
   std::vector<NarrationSentence> problems;
 };
 
-std::vector<Chapter> chapters_of(const KnownFacts& facts, Period period) {
+std::vector<Chapter> chapters_of(const FactsAsOf& facts, Period period) {
   std::vector<Chapter> chapters;
   std::map<ltm::MemoryId, size_t> of_plan;
   std::optional<Time> last_without_plan;
   size_t without_plan = 0;
-  for (const Execution& execution : facts.executions()) {
+  for (const Execution* one : facts.executions()) {
+    const Execution& execution = *one;
     if (!period.contains(execution.started)) continue;
     size_t chapter = chapters.size();
     if (execution.plan) {
@@ -87,10 +89,9 @@ std::string done_text(const Chapter& chapter, const KnownWorld& world) {
   return "I " + joined(phrases);
 }
 
-NarrationSentence told_problem(const Execution& execution, const KnownFacts& facts, Time now,
-                               DayZone zone) {
+NarrationSentence told_problem(const Execution& execution, const FactsAsOf& facts, DayZone zone) {
   NarrationSentence told{NarrationLevel::kFailure, {}, {}};
-  std::string text = fmt::format("{} {}", spoken_time(execution.started, now, zone),
+  std::string text = fmt::format("{} {}", spoken_time(execution.started, facts.now(), zone),
                                  outcome_phrase(execution, facts.world()));
   link(told, execution.start_id);
   if (execution.end_id) link(told, *execution.end_id);
@@ -104,9 +105,9 @@ NarrationSentence told_problem(const Execution& execution, const KnownFacts& fac
   return told;
 }
 
-ToldChapter told_chapter(const Chapter& chapter, const KnownFacts& facts, Time now, DayZone zone) {
+ToldChapter told_chapter(const Chapter& chapter, const FactsAsOf& facts, DayZone zone) {
   ToldChapter told{{NarrationLevel::kPlan, {}, {}}, {}};
-  std::string text = spoken_time(chapter.executions.front()->started, now, zone) + " ";
+  std::string text = spoken_time(chapter.executions.front()->started, facts.now(), zone) + " ";
   if (chapter.plan != nullptr) {
     link(told.what, chapter.plan->id);
     const SpokenWords* words =
@@ -124,7 +125,7 @@ ToldChapter told_chapter(const Chapter& chapter, const KnownFacts& facts, Time n
   for (const Execution* execution : chapter.executions) link(told.what, execution->start_id);
   told.what.text = sentence(std::move(text));
   for (const Execution* execution : chapter.problems)
-    told.problems.push_back(told_problem(*execution, facts, now, zone));
+    told.problems.push_back(told_problem(*execution, facts, zone));
   return told;
 }
 
@@ -191,11 +192,12 @@ std::string_view name_of(NarrationLevel level) {
 Result<std::vector<NarrationSentence>> tell_period(KnownFacts& facts, Period period, Time now,
                                                    DayZone zone, size_t max_sentences) {
   std::vector<NarrationSentence> narration;
-  const std::vector<Chapter> chapters = chapters_of(facts, {period.from, std::min(period.to, now)});
+  const FactsAsOf as_of(facts, now);
+  const std::vector<Chapter> chapters = chapters_of(as_of, period);
   if (chapters.empty() || max_sentences == 0) return narration;
   narration.push_back(told_whole(chapters, now, zone));
   std::vector<ToldChapter> told;
-  for (const Chapter& chapter : chapters) told.push_back(told_chapter(chapter, facts, now, zone));
+  for (const Chapter& chapter : chapters) told.push_back(told_chapter(chapter, as_of, zone));
   // One sentence is kept for what there is no room for.
   size_t room = max_sentences - narration.size();
   if (told.size() > room && room > 0) --room;

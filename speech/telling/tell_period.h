@@ -28,8 +28,8 @@ struct NarrationSentence {
 /// Tells what the robot did in a time in at most `max_sentences`, in the order of time: first of
 /// all of it, then each plan with what became of it, and below it what failed or was stopped. Where
 /// there is too much, failures are told before what went well, and what is left out is counted.
-/// Nothing where the memory has nothing of that time.
-/// Errors: those of Memory::query.
+/// Nothing after `now` is told, and what ended later was running then. Nothing where the memory has
+/// nothing of that time. Errors: those of Memory::query.
 Result<std::vector<NarrationSentence>> tell_period(KnownFacts& facts, Period period, Time now,
                                                    DayZone zone, size_t max_sentences = 10);
 

@@ -83,6 +83,41 @@ TEST_F(Executing, KeepsToTimes) {
   EXPECT_EQ(value_of("executions | last | next | when"), "unknown: nothing was done after it");
 }
 
+TEST_F(Executing, KnowsNoEndThatCameLater) {
+  const auto cites_nothing_later = [&](const std::string& text) {
+    for (const Evidence& one : outcome_of(text).evidence)
+      EXPECT_LE(one.id.time().value_or(now_), now_) << text << ": " << one.id.printable();
+  };
+  // The grasp of 08:00:04 failed at 08:00:08, and the next one began at 08:00:09.
+  now_ = second(7.9);
+  EXPECT_EQ(value_of("executions outcome=problem | exists"), "false");
+  EXPECT_EQ(value_of("executions outcome=running | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions skill=pick | last | reason"), "unknown: no reason is told of it");
+  EXPECT_EQ(value_of("executions skill=pick | last | ended"), "unknown: it has not ended");
+  EXPECT_EQ(value_of("executions skill=pick | last | succeeded"), "unknown: it has not ended");
+  EXPECT_EQ(value_of("executions skill=pick | last | how_long"), "unknown: it has not ended");
+  EXPECT_EQ(value_of("executions skill=pick | last | retried"), "false");
+  EXPECT_EQ(value_of("executions | longest | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions at=now | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions | last | next | when"), "unknown: nothing was done after it");
+  for (const char* text :
+       {"executions outcome=problem | exists", "executions | events", "executions | count",
+        "things thing=salt place=table | exists", "things held=yes | exists",
+        "executions skill=place | none", "executions skill=navigate | how_far",
+        "executions skill=pick | last | why", "things thing=salt | last_seen | where",
+        "words | count", "plans | count", "robot | where"})
+    cites_nothing_later(text);
+  // An end at this very moment is known.
+  now_ = second(8);
+  EXPECT_EQ(value_of("executions outcome=problem | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions outcome=problem | last | how_long"), "4.0");
+  // Who stopped it spoke before it stopped.
+  now_ = second(36.2);
+  EXPECT_EQ(value_of("executions thing=tea skill=pick | last | who_stopped"),
+            "unknown: nobody's words stopped it");
+  EXPECT_EQ(value_of("words speaker=ben | last | said"), R"("Stop!")");
+}
+
 TEST_F(Executing, TellsWhenAndHowLong) {
   EXPECT_EQ(value_of("executions skill=place | last | when"), R"("2026-01-01 08:00:16.000000")");
   EXPECT_EQ(value_of("executions skill=place | last | ended"), R"("2026-01-01 08:00:19.000000")");

@@ -97,6 +97,15 @@ TEST_F(Telling, TellsATimeByPlansWithWhatFailed) {
             "but was stopped: told to stop (Ben said: \"Stop!\").\n");
 }
 
+TEST_F(Telling, TellsNothingThatCameLater) {
+  const auto narration = tell_period(*facts_, {second(0), second(60)}, second(7.9), DayZone::kUtc);
+  ASSERT_OK(narration);
+  ASSERT_THAT(*narration, SizeIs(2));
+  EXPECT_EQ((*narration)[0].text, "From 08:00:01 to 08:00:04 I carried out 3 actions for 1 task.");
+  for (const NarrationSentence& one : *narration)
+    for (const ltm::MemoryId& id : one.links) EXPECT_LE(*id.time(), second(7.9));
+}
+
 TEST_F(Telling, KeepsToTheNumberOfSentences) {
   for (int day = 1; day < 12; ++day) kitchen_.live_one_minute(day);
   ASSERT_OK(facts_->refresh());
