@@ -103,12 +103,7 @@ AskedNames::AskedNames(const QuestionInWords& question, const Lexicon& lexicon) 
     if (word.tag == WordTag::kSkill) add_once(skills, word.value);
     if (word.verb != nullptr) add_once(skills, lexicon.skills_of(*word.verb));
   }
-}
-
-std::string AskedNames::all_skills() const {
-  std::string all;
-  for (const std::string& one : skills) all += (all.empty() ? "" : ",") + one;
-  return all;
+  for (const SkillVerb& verb : skill_verbs()) skills_of_verbs.push_back(lexicon.skills_of(verb));
 }
 
 std::vector<AttentionInput::Word> numbers_of_words(const QuestionInWords& question,

@@ -17,11 +17,11 @@ struct AskedNames {
   std::vector<std::string> hands;
   /// The skills that each verb, or name of a skill, means: joined by commas.
   std::vector<std::string> skills;
+  /// The skills of the memory that each verb of English means, whether the question has it or not:
+  /// others have more verbs for them than any list. In the order of skill_verbs(); empty: none.
+  std::vector<std::string> skills_of_verbs;
 
   explicit AskedNames(const QuestionInWords& question, const Lexicon& lexicon);
-
-  /// All skills, joined by commas.
-  [[nodiscard]] std::string all_skills() const;
 };
 
 /// The words as a network reads them: of each its spelling, its base form and its tag, of one that

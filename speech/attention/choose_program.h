@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "speech/attention/episode_groups.h"
@@ -12,17 +11,16 @@ namespace engram::speech {
 /// What a network has read a question as.
 struct AttendedProgram {
   Program program;
-  /// 0..1: how likely the symbols are, times how surely the groups are told apart that the program
-  /// selects.
+  /// 0..1: how likely the symbols are, times how surely the network attends to the very groups that
+  /// the program is about.
   double confidence = 0;
 };
 
-/// The program whose filters select what the network attends to. The network says which groups it
-/// selects, and no filters; those are looked for among what the question names, and have to have
-/// all names of it: an answer that leaves one out would be about something else. Where several
-/// programs select the same, the shortest is taken.
+/// The likeliest program that says all things, places and persons that the question names: one that
+/// leaves one out would be about something else. The network says twice what it is about, by the
+/// names of its filters and by the groups that it attends to; where the two differ, it is not sure.
 ///
-/// Nothing: no reading makes a program that validates and says all names.
+/// Nothing: no reading makes such a program.
 [[nodiscard]] std::optional<AttendedProgram> choose_program(const AttentionScores& scores,
                                                             const std::vector<EpisodeGroup>& groups,
                                                             const AskedNames& names,

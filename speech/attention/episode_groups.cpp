@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "ltm/core/ascii.h"
+#include "speech/facts/facts_as_of.h"
 
 namespace engram::speech {
 
@@ -54,8 +55,7 @@ std::string outcome_of(const Execution& execution) {
 /// Sorts records into groups.
 class Grouper {
  public:
-  Grouper(KnownFacts& facts, const AskedNames& names, Time now)
-      : facts_(facts), names_(names), now_(now) {
+  Grouper(FactsAsOf& facts, const AskedNames& names) : facts_(facts), names_(names) {
     for (const std::string& thing : names.things)
       things_.push_back(facts.world().things_called(thing));
     for (const std::string& place : names.places)
@@ -63,8 +63,8 @@ class Grouper {
   }
 
   void add_executions() {
-    for (const Execution& execution : facts_.executions()) {
-      if (execution.started > now_) continue;
+    for (const Execution* one : facts_.executions()) {
+      const Execution& execution = *one;
       EpisodeGroup group = group_of(ProgramSource::kExecutions);
       group.skill = execution.skill;
       group.outcome = outcome_of(execution);
@@ -78,14 +78,12 @@ class Grouper {
 
   void add_rest() {
     for (const SpokenWords& words : facts_.words()) {
-      if (words.time > now_) continue;
       EpisodeGroup group = group_of(ProgramSource::kWords);
       tell(group, words.text);
       speak(group, words.speaker);
       add(std::move(group), words.time);
     }
     for (const TaskPlan& plan : facts_.plans()) {
-      if (plan.time > now_) continue;
       EpisodeGroup group = group_of(ProgramSource::kPlans);
       tell(group, plan.goal);
       for (const PlannedStep& step : plan.steps) name(group, step.thing, step.place, {});
@@ -94,19 +92,17 @@ class Grouper {
       add(std::move(group), plan.time);
     }
     for (const RefusedRequest& refusal : facts_.refusals()) {
-      if (refusal.time > now_) continue;
       EpisodeGroup group = group_of(ProgramSource::kRefusals);
       group.skill = refusal.skill;
       tell(group, refusal.reason);
       add(std::move(group), refusal.time);
     }
     for (const DriveNote& note : facts_.drives()) {
-      if (note.time > now_) continue;
       EpisodeGroup group = group_of(ProgramSource::kDrives);
       tell(group, note.goal + " " + note.reason);
       add(std::move(group), note.time);
     }
-    add(group_of(ProgramSource::kRobot), now_);
+    add(group_of(ProgramSource::kRobot), facts_.now());
   }
 
   Status add_things(Time at) {
@@ -184,9 +180,8 @@ class Grouper {
     last = std::max(last, time);
   }
 
-  KnownFacts& facts_;
+  FactsAsOf& facts_;
   const AskedNames& names_;
-  const Time now_;
   std::vector<std::vector<ltm::MemoryId>> things_;
   std::vector<std::vector<ltm::MemoryId>> places_;
   std::map<EpisodeGroup, Totals, IsBefore> groups_;
@@ -297,7 +292,8 @@ bool EpisodeGroup::is_like(const EpisodeGroup& other) const {
 
 Result<std::vector<EpisodeGroup>> episode_groups(KnownFacts& facts, const AskedNames& names,
                                                  const AskedTimes& times, Time now, DayZone zone) {
-  Grouper grouper(facts, names, now);
+  FactsAsOf known(facts, now);
+  Grouper grouper(known, names);
   grouper.add_executions();
   grouper.add_rest();
   ENGRAM_RETURN_IF_ERROR(grouper.add_things(moment_of(times, now, zone)));

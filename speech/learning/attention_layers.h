@@ -15,7 +15,7 @@ struct AttentionShape {
   static constexpr int64_t kInner = 384;
   static constexpr int64_t kReaders = 3;  ///< Layers that read the question and the groups.
   static constexpr int64_t kTellers = 2;  ///< Layers that tell the program.
-  static constexpr int64_t kMaxSymbols = 16;
+  static constexpr int64_t kMaxSymbols = 26;
 };
 
 /// Questions side by side. B questions have at most L words, A groups that are attended to, G

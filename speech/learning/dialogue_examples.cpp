@@ -6,7 +6,6 @@
 
 #include "ltm/core/ascii.h"
 #include "speech/attention/attention_reader.h"
-#include "speech/attention/choose_program.h"
 #include "speech/attention/program_symbols.h"
 #include "speech/language/grammar.h"
 #include "speech/program/execute.h"
@@ -16,8 +15,6 @@ namespace engram::speech {
 namespace {
 
 constexpr float kParts = 64;
-/// What a network that is sure says of a group.
-constexpr float kSureLogit = 8;
 
 bool is_near(double a, double b, double most) {
   return std::abs(a - b) <= most;
@@ -125,38 +122,19 @@ class ExampleMaker {
     return flags;
   }
 
-  static std::vector<float> logits_of(const std::vector<uint8_t>& flags) {
-    std::vector<float> logits;
-    for (const uint8_t flag : flags) logits.push_back(flag == 1 ? kSureLogit : -kSureLogit);
-    return logits;
-  }
-
-  static const Program* within(const Program& program) {
-    for (const ProgramFilter& filter : program.filters)
-      if (filter.value.program) return filter.value.program.get();
-    for (const ProgramStep& step : program.steps)
-      if (step.argument && step.argument->program) return step.argument->program.get();
-    return nullptr;
-  }
-
   /// Tells the program as an example; false where that has another answer.
   Result<bool> tell(const Program& program, const Dialogue& dialogue, const AttendedQuestion& asked,
                     AttentionExample& example) {
-    const auto symbols = symbols_of(program, asked.words.times);
+    const auto symbols = symbols_of(program, asked.names, asked.words.times);
     if (!symbols) return false;
     example.symbols = *symbols;
     example.main = kept(program, asked);
-    AttentionScores::Reading reading{*symbols, 0, logits_of(example.main), {}};
-    if (const Program* other = within(program)) {
-      example.other = kept(*other, asked);
-      reading.other = logits_of(example.other);
-    }
-    AttentionScores scores;
-    scores.readings.push_back(std::move(reading));
-    const auto chosen = choose_program(scores, asked.groups, asked.names, asked.words.times);
-    if (!chosen) return false;
-    if (chosen->program == program) return true;
-    const auto outcome = execute(chosen->program, *facts_, dialogue.now, DayZone::kUtc);
+    if (const Program* within = program_within(program)) example.other = kept(*within, asked);
+    // What the words of others name may be less than what the plain words do.
+    const auto told = program_told(*symbols, asked.names, asked.words.times);
+    if (!told) return false;
+    if (*told == program) return true;
+    const auto outcome = execute(*told, *facts_, dialogue.now, DayZone::kUtc);
     if (!outcome.ok() && outcome.status().code() == StatusCode::kInvalidArgument) return false;
     ENGRAM_RETURN_IF_ERROR(outcome.status());
     return is_right(outcome->value, dialogue);
