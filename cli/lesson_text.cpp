@@ -39,6 +39,7 @@ Json lesson_json(const speech::LessonReport& report, const std::filesystem::path
           {"read_rightly", learned.read_rightly},
           {"new_wordings_read_rightly", learned.new_wordings_read_rightly},
           {"min_confidence", learned.min_confidence},
+          {"sure_confidence", learned.sure_confidence},
           {"told", learned.told},
           {"told_rightly", learned.told_rightly}};
 }

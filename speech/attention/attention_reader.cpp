@@ -26,7 +26,8 @@ class AttentionReader final : public QuestionReader {
     auto chosen = choose_program(scores, asked->groups, asked->names, asked->words.times);
     if (!chosen || chosen->confidence < network_->min_confidence())
       return std::optional<ReadProgram>();
-    return std::optional(ReadProgram{std::move(chosen->program), chosen->confidence});
+    const bool is_sure = chosen->confidence >= network_->sure_confidence();
+    return std::optional(ReadProgram{std::move(chosen->program), chosen->confidence, is_sure});
   }
 
  private:

@@ -21,6 +21,8 @@ class AttentionNetwork {
   /// The confidence from which on what it reads is told: as many answers as that are right, it was
   /// measured, are so on wordings that it was not trained with.
   [[nodiscard]] virtual double min_confidence() const = 0;
+  /// The same of what counts more than the rules of the grammar.
+  [[nodiscard]] virtual double sure_confidence() const = 0;
 };
 
 /// A question with what a memory has of it, for a network and for who chooses the program.

@@ -55,11 +55,12 @@ Status Asker::refresh() {
   return {};
 }
 
-Result<std::optional<Answer>> Asker::ask_reader(std::string_view question, Time now) {
+/// `is_read`: a rule of the grammar reads it, too.
+Result<std::optional<Answer>> Asker::ask_reader(std::string_view question, Time now, bool is_read) {
   if (options_.reader == nullptr) return std::optional<Answer>();
   ENGRAM_ASSIGN_OR_RETURN(const auto read, options_.reader->read(question, *facts_, *lexicon_,
                                                                  *tagger_, now, options_.zone));
-  if (!read) return std::optional<Answer>();
+  if (!read || (is_read && !read->is_sure)) return std::optional<Answer>();
   auto answer = ask_program(read->program, now);
   // Times that make no sense at this moment: it was read wrongly.
   if (!answer.ok() && answer.status().code() == StatusCode::kInvalidArgument)
@@ -93,8 +94,9 @@ Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
                               ? unread_question()
                               : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
   std::optional<Answer> answer;
-  if (parsed.is_unread && route != AskRoute::kProgram) {
-    ENGRAM_ASSIGN_OR_RETURN(answer, ask_reader(question, now));
+  // What is known to be nothing that a memory answers needs no other reader.
+  if ((parsed.program || parsed.is_unread) && route != AskRoute::kProgram) {
+    ENGRAM_ASSIGN_OR_RETURN(answer, ask_reader(question, now, !parsed.is_unread));
   }
   if (!answer) {
     ENGRAM_ASSIGN_OR_RETURN(answer, ask_parsed(std::move(parsed), now));

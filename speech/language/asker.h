@@ -37,7 +37,9 @@ struct Answer {
 
 /// Who reads a question as a program.
 enum class AskRoute {
-  kAuto,     ///< The grammar, and where no rule of it fits the other reader.
+  /// The grammar, and the other reader where no rule fits, or where that is sure of another
+  /// program.
+  kAuto,
   kProgram,  ///< The grammar alone.
   kReader,   ///< The other reader alone.
 };
@@ -52,7 +54,7 @@ class Asker {
   struct Options {
     /// By which clock days and clock times are meant.
     DayZone zone = DayZone::kUtc;
-    /// Who reads what the grammar does not; null: nobody.
+    /// Who reads what the grammar does not, or not so well; null: nobody.
     std::shared_ptr<QuestionReader> reader{};
   };
 
@@ -77,7 +79,7 @@ class Asker {
  private:
   Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
 
-  Result<std::optional<Answer>> ask_reader(std::string_view question, Time now);
+  Result<std::optional<Answer>> ask_reader(std::string_view question, Time now, bool is_read);
   Result<Answer> ask_parsed(ParsedQuestion parsed, Time now);
 
   std::unique_ptr<KnownFacts> facts_;

@@ -16,10 +16,12 @@ namespace engram::speech {
 struct ReadProgram {
   Program program;
   double confidence = 0;  ///< 0..1: that it was read rightly.
+  /// So sure that it counts more than a rule of the grammar, which may have passed over what
+  /// matters.
+  bool is_sure = false;
 };
 
-/// Another way to read questions as programs than the grammar's, which is asked where the grammar
-/// reads nothing (speech/attention).
+/// Another way to read questions as programs than the grammar's (speech/attention).
 ///
 /// Threading: one thread.
 class QuestionReader {

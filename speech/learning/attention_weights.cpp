@@ -28,6 +28,7 @@ Status write(AttentionLayers& layers, const AttentionRecord& record,
   ENGRAM_RETURN_IF_ERROR(file.make_group(kGroup));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "version", kVersion));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "min_confidence", record.min_confidence));
+  ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "sure_confidence", record.sure_confidence));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "examples", record.examples));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "seconds", record.seconds));
   ENGRAM_RETURN_IF_ERROR(file.write_strings(kSymbols, program_symbols()));
@@ -63,6 +64,8 @@ Result<SavedAttention> read_attention(const std::filesystem::path& path) {
   SavedAttention saved;
   ENGRAM_ASSIGN_OR_RETURN(saved.record.min_confidence,
                           file.double_attribute(kGroup, "min_confidence"));
+  ENGRAM_ASSIGN_OR_RETURN(saved.record.sure_confidence,
+                          file.double_attribute(kGroup, "sure_confidence"));
   ENGRAM_ASSIGN_OR_RETURN(saved.record.examples, file.int_attribute(kGroup, "examples"));
   ENGRAM_ASSIGN_OR_RETURN(saved.record.seconds, file.double_attribute(kGroup, "seconds"));
   ENGRAM_ASSIGN_OR_RETURN(const auto bytes,

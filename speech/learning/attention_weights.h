@@ -13,6 +13,7 @@ namespace engram::speech {
 /// What is kept beside the weights.
 struct AttentionRecord {
   double min_confidence = 1;
+  double sure_confidence = 1;
   int64_t examples = 0;  ///< That it was trained with.
   double seconds = 0;    ///< Of training.
 };

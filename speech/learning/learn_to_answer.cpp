@@ -157,9 +157,10 @@ class Fit {
       all.push_back(judge(layers_, *one));
     }
     measure(std::move(all));
-    ENGRAM_RETURN_IF_ERROR(save_attention(
-        layers_, {report_.min_confidence, static_cast<int64_t>(report_.examples), report_.seconds},
-        file));
+    ENGRAM_RETURN_IF_ERROR(save_attention(layers_,
+                                          {report_.min_confidence, report_.sure_confidence,
+                                           static_cast<int64_t>(report_.examples), report_.seconds},
+                                          file));
     return report_;
   }
 
@@ -247,6 +248,7 @@ class Fit {
     for (size_t i = 0; i < all.size(); ++i) {
       right += all[i].is_right ? 1 : 0;
       const double share = static_cast<double>(right) / static_cast<double>(i + 1);
+      if (share >= options_.sure_right) report_.sure_confidence = all[i].confidence;
       if (share < options_.min_right) continue;
       report_.min_confidence = all[i].confidence;
       report_.told = static_cast<double>(i + 1) / count;

@@ -22,6 +22,8 @@ struct LearnOptions {
   /// Of what is told, so much is right on wordings that were held out: the least confidence follows
   /// from it.
   double min_right = 0.95;
+  /// The same of what counts more than rules of the grammar.
+  double sure_right = 0.98;
 
   [[nodiscard]] Status validate() const;
 };
@@ -40,6 +42,7 @@ struct LearnReport {
   double told = 0;
   double told_rightly = 0;
   double min_confidence = 1;
+  double sure_confidence = 1;
 };
 
 /// Trains a network of the route of attention and writes it to `file`. Examples that are held out

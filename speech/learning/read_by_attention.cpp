@@ -98,6 +98,7 @@ class TorchAttention final : public AttentionNetwork {
     });
   }
   [[nodiscard]] double min_confidence() const override { return saved_.record.min_confidence; }
+  [[nodiscard]] double sure_confidence() const override { return saved_.record.sure_confidence; }
 
  private:
   SavedAttention saved_;

@@ -112,6 +112,7 @@ class ToldNetwork final : public AttentionNetwork {
   explicit ToldNetwork(Tell tell) : tell_(std::move(tell)) {}
   Result<AttentionScores> attend(const AttentionInput& input) override { return tell_(input); }
   [[nodiscard]] double min_confidence() const override { return 0.5; }
+  [[nodiscard]] double sure_confidence() const override { return 0.95; }
 
  private:
   Tell tell_;
@@ -152,7 +153,8 @@ TEST_F(Attention, IsSureOfWhatItSaysTwice) {
   EXPECT_EQ(same->program.to_string(), kProgram);
   EXPECT_GT(same->confidence, 0.8);
   // The symbols say success, and what is attended to is failures.
-  const auto other = read(kQuestion, kProgram, "executions skill=pick thing=salt outcome=failure | exists");
+  const auto other =
+      read(kQuestion, kProgram, "executions skill=pick thing=salt outcome=failure | exists");
   ASSERT_TRUE(other);
   EXPECT_LT(other->confidence, 0.1);
 }
@@ -174,7 +176,7 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
       AttentionScores scores;
       scores.readings.push_back(
           {*symbols_of(program_of("executions | count"), kNoNames, {}), log_probability, {}, {}});
-      scores.readings[0].main.assign(input.groups.size(), 6.0F);
+      scores.readings[0].main.assign(input.groups.size(), 9.0F);
       return scores;
     });
   };
@@ -198,7 +200,9 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
   EXPECT_EQ(answer_of(kUnread, -5, AskRoute::kAuto).route, "none");
   EXPECT_EQ(answer_of(kUnread, -0.1, AskRoute::kProgram).route, "none");
   EXPECT_EQ(answer_of("What will you do tomorrow?", -0.1, AskRoute::kAuto).route, "none");
-  EXPECT_EQ(answer_of("Where is the salt?", -0.1, AskRoute::kAuto).route, "program");
+  // A rule of the grammar counts more than what it is not very sure of.
+  EXPECT_EQ(answer_of("What did you do?", -0.1, AskRoute::kAuto).route, "program");
+  EXPECT_EQ(answer_of("What did you do?", -0.01, AskRoute::kAuto).route, "attention");
   EXPECT_EQ(answer_of("Did you do anything?", -0.1, AskRoute::kReader).route, "attention");
 }
 
