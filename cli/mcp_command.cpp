@@ -2,6 +2,7 @@
 #include <iostream>
 #include <string>
 
+#include "cli/ask_model.h"
 #include "cli/command.h"
 #include "cli/remote.h"
 #include "cli/speech_options.h"
@@ -54,7 +55,9 @@ ExitCode run(const McpArguments& arguments) {
     return wrong_usage(named);
   const auto memory = open_memory(arguments.store, {.is_read_only = true}, arguments.remote);
   if (!memory.ok()) return fail(memory.status());
-  auto asker = speech::Asker::create(**memory, {.zone = day_zone()});
+  auto reader = reader_of({}, arguments.store);
+  if (!reader.ok()) return fail(reader.status());
+  auto asker = speech::Asker::create(**memory, {.zone = day_zone(), .reader = *std::move(reader)});
   if (!asker.ok()) return fail(asker.status());
   std::vector<speech::MemoryTool> tools = speech::asking_tools(*std::move(asker));
   for (speech::MemoryTool& tool : speech::memory_tools(**memory)) tools.push_back(std::move(tool));

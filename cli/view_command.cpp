@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "cli/ask_model.h"
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/remote.h"
@@ -126,6 +127,7 @@ ExitCode run(const ViewArguments& arguments) {
     memory.name = name_of(source, arguments);
     memory.store = source;
     memory.loader = model_loader();
+    memory.open_reader = [source] { return reader_of({}, source); };
     memory.open = [source, arguments](bool prefers_latents) {
       return open_memory(source,
                          {.is_read_only = true,

@@ -34,7 +34,11 @@ Result<Memory*> ViewedMemory::latents() {
 Status ViewedMemory::with_asker(const std::function<Status(speech::Asker&)>& use) {
   const MutexLock lock(asking_);
   if (asker_ == nullptr) {
-    ENGRAM_ASSIGN_OR_RETURN(asker_, speech::Asker::create(*memory_, {}));
+    speech::Asker::Options asking;
+    if (options_.open_reader) {
+      ENGRAM_ASSIGN_OR_RETURN(asking.reader, options_.open_reader());
+    }
+    ENGRAM_ASSIGN_OR_RETURN(asker_, speech::Asker::create(*memory_, asking));
   } else {
     ENGRAM_RETURN_IF_ERROR(asker_->refresh());
   }

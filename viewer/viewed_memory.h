@@ -41,6 +41,8 @@ class ViewedMemory {
     std::function<Result<std::unique_ptr<Memory>>(bool prefers_latents)> open;
     /// Opens the models of the store, where a plan of forgetting has to see what latents show.
     ltm::ModelLoader loader = {};
+    /// Opens what reads questions beside the grammar; empty, or a null reader: nothing does.
+    std::function<Result<std::shared_ptr<speech::QuestionReader>>()> open_reader = {};
     /// How long a reader may show an earlier state of a store that grows. Opening one costs
     /// milliseconds, and a journal that is written changes with each commit.
     Duration max_age = std::chrono::milliseconds(200);

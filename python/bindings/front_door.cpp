@@ -6,11 +6,14 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 
 #include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
 #include "python/bindings/values.h"
+#include "speech/attention/attention_files.h"
+#include "speech/learning/attention_file.h"
 #include "speech/telling/tell_period.h"
 
 namespace engram::python {
@@ -36,32 +39,46 @@ std::unique_ptr<Memory> made(F make) {
   return value_or_raise(std::move(memory));
 }
 
+/// What the store has learned of questions; null: nothing.
+Result<std::shared_ptr<speech::QuestionReader>> reader_of(const std::string& store) {
+  std::shared_ptr<speech::QuestionReader> reader;
+  std::error_code error;
+  if (store.empty() || !std::filesystem::exists(speech::attention_file(store), error))
+    return reader;
+  ENGRAM_ASSIGN_OR_RETURN(auto network, speech::load_attention(speech::attention_file(store)));
+  reader = speech::make_attention_reader(std::move(network));
+  return reader;
+}
+
 }  // namespace
 
-FrontDoor::FrontDoor(std::unique_ptr<Memory> memory, bool is_past)
-    : is_past_(is_past), process_(::getpid()), memory_(std::move(memory)) {}
+FrontDoor::FrontDoor(std::unique_ptr<Memory> memory, std::string store, bool is_past)
+    : store_(std::move(store)),
+      is_past_(is_past),
+      process_(::getpid()),
+      memory_(std::move(memory)) {}
 
 std::unique_ptr<FrontDoor> FrontDoor::read(const std::string& store) {
   const OpenOptions options{.is_read_only = true, .notes_reads = false};
   return std::unique_ptr<FrontDoor>(
-      new FrontDoor(made([&] { return Memory::open(store, options); }), true));
+      new FrontDoor(made([&] { return Memory::open(store, options); }), store, true));
 }
 
 std::unique_ptr<FrontDoor> FrontDoor::open(const std::string& store, const OpenOptions& options) {
   return std::unique_ptr<FrontDoor>(
-      new FrontDoor(made([&] { return Memory::open(store, options); })));
+      new FrontDoor(made([&] { return Memory::open(store, options); }), store));
 }
 
 std::unique_ptr<FrontDoor> FrontDoor::connect(const std::string& endpoint,
                                               const ConnectOptions& options) {
   return std::unique_ptr<FrontDoor>(
-      new FrontDoor(made([&] { return Memory::connect(endpoint, options); })));
+      new FrontDoor(made([&] { return Memory::connect(endpoint, options); }), {}));
 }
 
 std::unique_ptr<FrontDoor> FrontDoor::replay(const std::string& store,
                                              const ReplayOptions& options) {
   return std::unique_ptr<FrontDoor>(
-      new FrontDoor(made([&] { return Memory::replay(store, options); }), true));
+      new FrontDoor(made([&] { return Memory::replay(store, options); }), store, true));
 }
 
 FrontDoor::~FrontDoor() {
@@ -224,9 +241,11 @@ Result<std::string> FrontDoor::with_asker(Memory& memory, std::optional<int64_t>
   if (asker_ == nullptr) {
     const char* zone = std::getenv("TZ");
     const bool is_local = zone != nullptr && *zone != '\0';
+    ENGRAM_ASSIGN_OR_RETURN(auto reader, reader_of(store_));
     ENGRAM_ASSIGN_OR_RETURN(
         asker_, speech::Asker::create(
-                    memory, {.zone = is_local ? speech::DayZone::kLocal : speech::DayZone::kUtc}));
+                    memory, {.zone = is_local ? speech::DayZone::kLocal : speech::DayZone::kUtc,
+                             .reader = std::move(reader)}));
   } else {
     ENGRAM_RETURN_IF_ERROR(asker_->refresh());
   }

@@ -100,7 +100,8 @@ class FrontDoor {
   void close();
 
  private:
-  explicit FrontDoor(std::unique_ptr<Memory> memory, bool is_past = false);
+  /// `store`: empty for a server.
+  FrontDoor(std::unique_ptr<Memory> memory, std::string store, bool is_past = false);
 
   template <typename F>
   auto with_memory(F work);
@@ -114,6 +115,7 @@ class FrontDoor {
                                         const std::vector<ltm::Selector>& selectors);
 
   /// Whether "now" is its last moment, because nothing is added to it.
+  const std::string store_;
   const bool is_past_;
   Mutex speech_mutex_;
   /// Null until something is asked, and once it is closed. Refers to the memory.
