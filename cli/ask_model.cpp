@@ -6,6 +6,7 @@
 
 #include "cli/interrupt.h"
 #include "cli/learning_module.h"
+#include "ltm/core/log.h"
 #include "speech/assistants/asking_tools.h"
 #include "speech/assistants/chat_route.h"
 #include "speech/assistants/memory_tools.h"
@@ -91,20 +92,24 @@ Result<std::shared_ptr<speech::QuestionReader>> reader_of(const RouteArguments& 
                                                           const std::string& store) {
   std::shared_ptr<speech::QuestionReader> reader;
   if (arguments.route == "program" || arguments.route == "llm") return reader;
-  std::filesystem::path file = arguments.attention;
+  const std::filesystem::path own = speech::attention_file(store);
   std::error_code error;
-  if (file.empty() && !store.empty() &&
-      std::filesystem::exists(speech::attention_file(store), error))
-    file = speech::attention_file(store);
-  if (file.empty()) {
+  const bool has_own = !store.empty() && std::filesystem::exists(own, error);
+  if (arguments.attention.empty() && !has_own) {
     if (arguments.route == "attention")
       return invalid_argument(
           "--route attention needs --attention with a file of engram learn-answers");
     return reader;
   }
   ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
-  ENGRAM_ASSIGN_OR_RETURN(auto network, module->load_attention(file));
-  reader = speech::make_attention_reader(std::move(network));
+  auto network = module->load_attention(arguments.attention.empty() ? own : arguments.attention);
+  if (network.ok()) {
+    reader = speech::make_attention_reader(*std::move(network));
+    return reader;
+  }
+  // What a store learned in another version is learned anew; until then the grammar reads.
+  if (!arguments.attention.empty() || arguments.route == "attention") return network.status();
+  log::warning("{}; engram consolidate --answers learns anew", network.status().message());
   return reader;
 }
 

@@ -26,7 +26,8 @@ void add_route_options(CLI::App& command, RouteArguments& arguments);
 
 /// The reader of the route of attention; null where the route needs none, or neither the options
 /// name one nor the store has learned one.
-/// Errors: kInvalidArgument where --route attention has none; those of load_attention.
+/// Errors: kInvalidArgument where --route attention has none; those of load_attention for a file
+/// that was named. Of the store's own they are logged.
 Result<std::shared_ptr<speech::QuestionReader>> reader_of(const RouteArguments& arguments,
                                                           const std::string& store);
 

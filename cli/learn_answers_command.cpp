@@ -21,7 +21,7 @@ The network knows no names. One that was trained on some kitchens serves other m
 
 Examples:
   engram learn-answers kitchen.engram --budget 10m
-  engram learn-answers kitchens/*.engram --output answers.attention
+  engram learn-answers kitchens/*.engram --out answers.attention
   engram ask other.engram 'Any luck with the salt?' --attention answers.attention)";
 
 struct LearnAnswersArguments {
@@ -36,7 +36,7 @@ ExitCode run(LearnAnswersArguments arguments) {
   if (!budget.ok()) return wrong_usage(budget.status());
   lesson.options.budget = *budget;
   if (lesson.file.empty() && lesson.stores.size() > 1)
-    return wrong_usage(invalid_argument("several stores need --output"));
+    return wrong_usage(invalid_argument("several stores need --out"));
   if (lesson.file.empty()) lesson.file = speech::attention_file(lesson.stores.front());
   if (const Status options = lesson.options.validate(); !options.ok()) return wrong_usage(options);
   ProgressLine progress;
@@ -59,7 +59,7 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
   command->footer(kLearnAnswersFooter);
   command->add_option("stores", arguments->lesson.stores, "Stores with recordings of kitchens")
       ->required();
-  command->add_option("-o,--output", arguments->lesson.file,
+  command->add_option("-o,--out", arguments->lesson.file,
                       "The file to write; else within the store, where engram ask finds it");
   command
       ->add_option("--from", arguments->lesson.options.start,

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "ltm/core/log.h"
 #include "python/bindings/bound_commit.h"
 #include "python/bindings/errors.h"
 #include "python/bindings/query_result.h"
@@ -39,15 +40,15 @@ std::unique_ptr<Memory> made(F make) {
   return value_or_raise(std::move(memory));
 }
 
-/// What the store has learned of questions; null: nothing.
-Result<std::shared_ptr<speech::QuestionReader>> reader_of(const std::string& store) {
-  std::shared_ptr<speech::QuestionReader> reader;
+/// What the store has learned of questions; null: nothing, or in another version, which is learned
+/// anew at night.
+std::shared_ptr<speech::QuestionReader> reader_of(const std::string& store) {
   std::error_code error;
-  if (store.empty() || !std::filesystem::exists(speech::attention_file(store), error))
-    return reader;
-  ENGRAM_ASSIGN_OR_RETURN(auto network, speech::load_attention(speech::attention_file(store)));
-  reader = speech::make_attention_reader(std::move(network));
-  return reader;
+  if (store.empty() || !std::filesystem::exists(speech::attention_file(store), error)) return {};
+  auto network = speech::load_attention(speech::attention_file(store));
+  if (network.ok()) return speech::make_attention_reader(*std::move(network));
+  log::warning("{}", network.status().message());
+  return {};
 }
 
 }  // namespace
@@ -241,11 +242,10 @@ Result<std::string> FrontDoor::with_asker(Memory& memory, std::optional<int64_t>
   if (asker_ == nullptr) {
     const char* zone = std::getenv("TZ");
     const bool is_local = zone != nullptr && *zone != '\0';
-    ENGRAM_ASSIGN_OR_RETURN(auto reader, reader_of(store_));
     ENGRAM_ASSIGN_OR_RETURN(
         asker_, speech::Asker::create(
                     memory, {.zone = is_local ? speech::DayZone::kLocal : speech::DayZone::kUtc,
-                             .reader = std::move(reader)}));
+                             .reader = reader_of(store_)}));
   } else {
     ENGRAM_RETURN_IF_ERROR(asker_->refresh());
   }
