@@ -23,6 +23,8 @@ PAPER ?= full
 PAPER_OPTIONS ?=
 # More options of month.
 MONTH_OPTIONS ?=
+# How long ask-bars trains what answers by attention, if it is not there.
+ANSWERS_BUDGET ?= 60m
 # What training-speed trains on.
 VIDEO ?= $(RECORDINGS)/clips/bottle-detection.mp4
 DB ?= 35
@@ -285,13 +287,22 @@ reflection-bars: build
 	  build/release/bin/engram build/release/python --json build/reflection_bars.json $(BARS)
 
 # Options: experiments/ask/ask_bars.py --help
-ask-bars: experiments build
-	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py build/release/bin/engram \
-	  build/experiments/ask/engram_make_dialogues --hostile experiments/ask/hostile.jsonl \
-	  --json build/ask_bars.json $(BARS)
-	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py build/release/bin/engram \
-	  build/experiments/ask/engram_make_dialogues --phrasings experiments/ask/foreign_questions.jsonl \
-	  --json build/ask_bars_foreign.json $(BARS)
+ask-bars: experiments build build/ask/answers.attention
+	$(ASK_BARS) --hostile experiments/ask/hostile.jsonl --json build/ask_bars.json $(BARS)
+	$(ASK_BARS) --attention build/ask/answers.attention --route attention \
+	  --json build/ask_bars_attention.json $(BARS)
+	$(ASK_BARS) --attention build/ask/answers.attention --written --split held-out \
+	  --json build/ask_bars_written.json $(BARS)
+	$(ASK_BARS) --attention build/ask/answers.attention --json build/ask_bars_foreign.json \
+	  --phrasings experiments/ask/foreign_questions.jsonl $(BARS)
+ASK_BARS = PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py \
+  build/release/bin/engram build/experiments/ask/engram_make_dialogues
+# What reads questions by attention, of 20 kitchens that are asked nothing later: an hour on a core.
+build/ask/answers.attention: | build
+	build/release/bin/engram simulate kitchen --folder build/ask/learned --no-images --jobs 2 \
+	  --seed 101..120
+	build/release/bin/engram learn-answers build/ask/learned/*.engram --out $@ \
+	  --budget $(ANSWERS_BUDGET)
 
 # Options: experiments/viewer/viewer_bars.py --help
 viewer-bars: build

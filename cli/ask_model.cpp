@@ -102,7 +102,8 @@ Result<std::shared_ptr<speech::QuestionReader>> reader_of(const RouteArguments& 
     return reader;
   }
   ENGRAM_ASSIGN_OR_RETURN(const LearningModule* module, learning_module());
-  auto network = module->load_attention(arguments.attention.empty() ? own : arguments.attention);
+  auto network = module->load_attention(
+      arguments.attention.empty() ? own : std::filesystem::path(arguments.attention));
   if (network.ok()) {
     reader = speech::make_attention_reader(*std::move(network));
     return reader;

@@ -167,8 +167,10 @@ Result<ExampleCounts> add_examples(Memory& memory, const ExampleOptions& options
   asked.tells_plainly = true;
   ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> dialogues, make_dialogues(memory, asked));
   asked.count.reset();
-  ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> written, make_written_dialogues(memory, asked));
-  std::move(written.begin(), written.end(), std::back_inserter(dialogues));
+  if (options.has_written) {
+    ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> written, make_written_dialogues(memory, asked));
+    std::move(written.begin(), written.end(), std::back_inserter(dialogues));
+  }
   for (const std::filesystem::path& file : options.wordings) {
     ++asked.seed;
     ENGRAM_ASSIGN_OR_RETURN(std::vector<Dialogue> more, make_dialogues_with(memory, asked, file));

@@ -54,9 +54,10 @@ struct ExampleCounts {
 /// Where examples come from, beside a memory.
 struct ExampleOptions {
   DialogueOptions dialogues;  ///< `count` is that of the own wordings.
-  /// More files of wordings (docs/dialogues.md). Each line of these, and of those that come with
-  /// Engram, is asked once of each memory.
-  std::vector<std::filesystem::path> wordings;
+  /// Whether the wordings that come with Engram are asked (docs/dialogues.md): each line once of
+  /// each memory.
+  bool has_written = true;
+  std::vector<std::filesystem::path> wordings{};  ///< More files of such lines.
 };
 
 /// Makes dialogues of a memory, and examples of these. The program is that of the grammar for a

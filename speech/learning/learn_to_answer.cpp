@@ -19,6 +19,7 @@ namespace {
 
 constexpr size_t kMinExamples = 100;
 constexpr int64_t kWarmUpSteps = 300;
+constexpr double kWarmUpShare = 0.1;
 /// A word that is no name is left out so often, and so often one of its parts, which are its verb,
 /// its spelling and its base form: others use other words for the same.
 constexpr double kForgottenWords = 0.08;
@@ -177,7 +178,9 @@ class Fit {
   }
 
   void set_rate(torch::optim::AdamW& optimiser, double share) const {
-    const double warm = std::min(1.0, static_cast<double>(report_.steps + 1) / kWarmUpSteps);
+    // Where there is little time, it warms up in a part of it.
+    const double steps = static_cast<double>(report_.steps + 1) / kWarmUpSteps;
+    const double warm = std::min(1.0, std::max(steps, share / kWarmUpShare));
     const double cool = 0.02 + 0.98 * 0.5 * (1 + std::cos(M_PI * std::min(share, 1.0)));
     for (auto& group : optimiser.param_groups())
       static_cast<torch::optim::AdamWOptions&>(group.options())
@@ -214,8 +217,9 @@ class Fit {
   }
 
   void tell(double loss, double share, double budget, const ProgressSink& progress) {
-    constexpr double kMemory = 0.01;
-    report_.loss = report_.steps == 0 ? loss : (1 - kMemory) * report_.loss + kMemory * loss;
+    // The mean of about a hundred steps, and of fewer where there are no more.
+    const double memory = std::max(0.01, 1.0 / static_cast<double>(report_.steps + 1));
+    report_.loss = (1 - memory) * report_.loss + memory * loss;
     if (!progress || report_.steps % 20 != 0) return;
     progress({.what = "learn to answer",
               .done = static_cast<uint64_t>(share * budget),

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "speech/learning/learn_to_answer.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ltm/h5/h5.h"
+#include "speech/attention/program_symbols.h"
+#include "speech/language/asker.h"
+#include "speech/learning/attention_file.h"
+#include "tests/ltm/expect_status.h"
+#include "tests/ltm/scratch_directory.h"
+#include "tests/speech/dialogues/recorded_kitchens.h"
+
+namespace engram::speech {
+namespace {
+
+using std::chrono::milliseconds;
+using ::testing::Gt;
+using ::testing::IsEmpty;
+using ::testing::Le;
+using ::testing::Not;
+
+/// Examples of one kitchen in the generator's own words, made once.
+const std::vector<AttentionExample>& examples() {
+  static const auto kExamples = [] {
+    std::vector<AttentionExample> made;
+    const auto counts = add_examples(kitchen_of_seed_1(),
+                                     {.dialogues = {.count = 220}, .has_written = false}, {}, made);
+    ENGRAM_CHECK(counts.ok(), "{}", counts.status().message());
+    ENGRAM_CHECK(counts->unread + counts->unlike < counts->dialogues / 10, "{} of {}",
+                 counts->unread + counts->unlike, counts->dialogues);
+    return made;
+  }();
+  return kExamples;
+}
+
+class LearnToAnswer : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::filesystem::path file() const { return folder_.path() / "a.attention"; }
+
+  Result<LearnReport> learn(Duration budget, const std::filesystem::path& start = {}) {
+    LearnOptions options;
+    options.budget = budget;
+    options.batch = 16;
+    options.start = start;
+    return learn_to_answer(examples(), options, file(), {}, {});
+  }
+
+  ScratchDirectory folder_;
+};
+
+TEST_F(LearnToAnswer, MakesExamplesOfProgramsAndRefusals) {
+  size_t refusals = 0;
+  for (const AttentionExample& one : examples()) {
+    ASSERT_EQ(one.main.size(), one.groups.size());
+    ASSERT_FALSE(one.symbols.empty());
+    EXPECT_EQ(one.symbols.back(), kEndSymbol);
+    EXPECT_EQ(link_place(one.symbols).has_value(), !one.other.empty());
+    refusals += one.symbols.front() == kRefusalSymbol ? 1 : 0;
+  }
+  EXPECT_GT(examples().size(), 180U);
+  EXPECT_THAT(refusals, Gt(10U));
+}
+
+TEST_F(LearnToAnswer, WritesANetworkThatReadsQuestions) {
+  const auto report = learn(milliseconds(6000));
+  ASSERT_OK(report);
+  EXPECT_GT(report->steps, 3);
+  EXPECT_GT(report->parameters, 1'500'000);
+  EXPECT_LT(report->parameters, 2'500'000);
+  EXPECT_GT(report->held_out, 10U);
+  // It starts at more than 5.
+  EXPECT_LT(report->loss, 5);
+  auto network = load_attention(file());
+  ASSERT_OK(network);
+  AttentionInput input{.words = examples()[0].words, .attended = examples()[0].attended};
+  for (const auto& traits : examples()[0].groups) input.groups.push_back(unpacked(traits));
+  const auto scores = (*network)->attend(input);
+  ASSERT_OK(scores);
+  ASSERT_THAT(scores->readings, Not(IsEmpty()));
+  for (const AttentionScores::Reading& reading : scores->readings) {
+    EXPECT_THAT(reading.log_probability, Le(0.0));
+    EXPECT_EQ(reading.symbols.back(), kEndSymbol);
+    EXPECT_EQ(reading.main.size(), input.groups.size());
+  }
+  EXPECT_GE(scores->readings.front().log_probability, scores->readings.back().log_probability);
+  // The same again, and nothing to read is no question.
+  EXPECT_EQ((*network)->attend(input)->readings.front().symbols, scores->readings.front().symbols);
+  ASSERT_OK((*network)->attend({}));
+  // It goes on from where it was.
+  const double loss = report->loss;
+  const auto more = learn(milliseconds(3000), file());
+  ASSERT_OK(more);
+  EXPECT_LT(more->loss, loss + 0.5);
+}
+
+TEST_F(LearnToAnswer, LeavesNoFileWhereItWasStopped) {
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_FAILS(learn_to_answer(examples(), {}, file(), {}, stop.get_token()),
+               StatusCode::kCancelled, "stopped");
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(LearnToAnswer, NeedsExamplesAndSense) {
+  EXPECT_FAILS(learn_to_answer({examples()[0]}, {}, file(), {}, {}), StatusCode::kInvalidArgument,
+               "examples");
+  EXPECT_FAILS(learn_to_answer(examples(), {.budget = Duration(0)}, file(), {}, {}),
+               StatusCode::kInvalidArgument, "budget");
+  EXPECT_FAILS(learn_to_answer(examples(), {.batch = 0}, file(), {}, {}),
+               StatusCode::kInvalidArgument, "batch");
+}
+
+TEST_F(LearnToAnswer, RefusesDamagedAndStrangeFiles) {
+  EXPECT_FAILS(load_attention(file()), StatusCode::kNotFound, "a.attention");
+  ASSERT_OK(learn(milliseconds(200)));
+  const auto size = std::filesystem::file_size(file());
+  const auto cut = folder_.path() / "cut.attention";
+  std::filesystem::copy_file(file(), cut);
+  std::filesystem::resize_file(cut, size / 2);
+  EXPECT_FAILS(load_attention(cut), StatusCode::kDataLoss, "cut.attention");
+  const auto text = folder_.path() / "text.attention";
+  std::ofstream(text) << "no network";
+  EXPECT_FAILS(load_attention(text), StatusCode::kDataLoss, "text.attention");
+  // Of another version.
+  const auto other = folder_.path() / "other.attention";
+  {
+    auto made = h5::File::create(other);
+    ASSERT_OK(made);
+    ASSERT_OK(made->make_group("/attention"));
+    ASSERT_OK(made->write_attribute("/attention", "version", int64_t{99}));
+    ASSERT_OK(made->close());
+  }
+  EXPECT_FAILS(load_attention(other), StatusCode::kFailedPrecondition, "99");
+}
+
+}  // namespace
+}  // namespace engram::speech
