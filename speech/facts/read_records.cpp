@@ -124,6 +124,14 @@ const std::vector<Execution>& ExecutionTable::in_order() {
   sorted_.clear();
   sorted_.reserve(table_.size());
   for (const auto& [key, execution] : table_) sorted_.push_back(execution);
+  // What has no end, because the recording ended before it did, does not go on for ever.
+  std::map<std::pair<ltm::MemoryId, std::string>, Time> next;
+  for (auto one = sorted_.rbegin(); one != sorted_.rend(); ++one) {
+    const auto [later, is_last] =
+        next.try_emplace({one->start_id.entity(), one->hand}, one->started);
+    if (!is_last && !one->ended) one->over_by = later->second;
+    later->second = one->started;
+  }
   is_sorted_ = true;
   return sorted_;
 }

@@ -32,10 +32,11 @@ struct Execution {
   std::optional<ltm::MemoryId> thing_before;  ///< The thing as it was when it began,
   std::optional<ltm::MemoryId> thing_after;   ///< and when it ended.
 
-  /// Whether it went on at `time`.
-  [[nodiscard]] bool is_at(Time time) const {
-    return started <= time && (!ended || time <= *ended);
-  }
+  /// No end is known, but it was over by then: the same was begun again with the same hand.
+  std::optional<Time> over_by;
+
+  /// Up to when it may have gone on.
+  [[nodiscard]] Time latest_end() const { return ended ? *ended : over_by.value_or(Time::max()); }
 };
 
 /// What somebody said.

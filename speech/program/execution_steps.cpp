@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <tuple>
 
 #include "speech/program/program_run.h"
 
@@ -12,8 +13,11 @@ constexpr size_t kMaxDrives = 2000;
 /// How near the robot must be to a place to be there.
 constexpr double kBeside_m = 1.5;
 
-Duration length_of(const Execution& execution, Time now) {
-  return execution.ended.value_or(now) - execution.started;
+/// How long it took, behind whether that is known: what was lost may have ended at any time before
+/// somebody found out.
+std::pair<bool, Duration> length_of(const Execution& execution, Time now) {
+  const Duration length = std::min(execution.latest_end(), now) - execution.started;
+  return {execution.outcome != ltm::ActionOutcome::kUnknown, length};
 }
 
 }  // namespace
@@ -23,12 +27,21 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
   switch (step.kind) {
     case StepKind::kLongest:
     case StepKind::kShortest: {
-      const auto longer = [this](const Execution& a, const Execution& b) {
+      const auto is_shorter = [this](const Execution& a, const Execution& b) {
         return length_of(a, now_) < length_of(b, now_);
       };
-      const auto found = step.kind == StepKind::kLongest
-                             ? std::max_element(executions.begin(), executions.end(), longer)
-                             : std::min_element(executions.begin(), executions.end(), longer);
+      // What goes on is not the shortest yet.
+      const auto is_over_sooner = [this](const Execution& a, const Execution& b) {
+        const auto rank = [this](const Execution& one) {
+          const auto [is_known, length] = length_of(one, now_);
+          return std::tuple(!is_known, !one.ended, length);
+        };
+        return rank(a) < rank(b);
+      };
+      const auto found =
+          step.kind == StepKind::kLongest
+              ? std::max_element(executions.begin(), executions.end(), is_shorter)
+              : std::min_element(executions.begin(), executions.end(), is_over_sooner);
       executions = std::vector<Execution>{*found};
       return {};
     }

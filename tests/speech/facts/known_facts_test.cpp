@@ -152,6 +152,21 @@ TEST(KnownFacts, TakeUpWhatCameSince) {
   EXPECT_EQ((*facts)->last_moment(), second(60, 1));
 }
 
+TEST(KnownFacts, LetNothingWithoutAnEndGoOnForEver) {
+  RememberedKitchen kitchen;
+  kitchen.execute({.skill = "pick", .from = 1, .hand = "left", .is_ended = false});
+  kitchen.execute({.skill = "pick", .from = 2, .to = 4, .hand = "right"});
+  kitchen.execute({.skill = "pick", .from = 5, .hand = "left", .is_ended = false});
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto& executions = (*facts)->executions();
+  ASSERT_THAT(executions, SizeIs(3));
+  // Two hands do two things at a time, and one hand does not.
+  EXPECT_EQ(executions[0].latest_end(), second(5));
+  EXPECT_EQ(executions[1].latest_end(), second(4));
+  EXPECT_EQ(executions[2].latest_end(), Time::max());
+}
+
 TEST(KnownFacts, TakeThingPlaceAndHandFromParameters) {
   RememberedKitchen kitchen;
   kitchen.live_one_minute();
