@@ -16,7 +16,7 @@ namespace engram::speech {
 /// What an answer can be.
 namespace answers {
 
-/// The memory has nothing that answers the question.
+/// The memory does not tell. That there was nothing is known: then names and events are empty.
 struct Unknown {
   friend bool operator==(Unknown, Unknown) = default;
 };

@@ -81,7 +81,7 @@ Status ProgramRun::collect(RecordFilter& filter) {
         ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, filter.keeps(*execution));
         if (is_kept) outcome_.executions.push_back(*execution);
       }
-      return {};
+      return filter.at() ? drop_forgotten(*filter.at()) : Status();
     case ProgramSource::kWords:
       keep(facts_.words(), outcome_.words);
       return {};
@@ -107,8 +107,7 @@ Status ProgramRun::apply(const ProgramStep& step, const RecordFilter& filter) {
     case StepKind::kCount:
     case StepKind::kExists:
     case StepKind::kNone:
-      count_or_exists(step.kind, filter);
-      return {};
+      return count_or_exists(step.kind, filter);
     case StepKind::kMoreThan:
     case StepKind::kLessThan:
     case StepKind::kEquals:
@@ -119,10 +118,7 @@ Status ProgramRun::apply(const ProgramStep& step, const RecordFilter& filter) {
     default:
       break;
   }
-  if (program_.source != ProgramSource::kRobot && size() == 0) {
-    miss("the memory has none");
-    return {};
-  }
+  if (program_.source != ProgramSource::kRobot && size() == 0) return tell_nothing(step, filter);
   if (select(step)) return {};
   switch (step.kind) {
     case StepKind::kWhen:
@@ -169,28 +165,10 @@ bool ProgramRun::select(const ProgramStep& step) {
   return true;
 }
 
-bool ProgramRun::cite_looked_at(const Period& period) {
-  const Execution* first = nullptr;
-  const Execution* last = nullptr;
-  for (const Execution* execution : facts_.executions()) {
-    if (execution->started > period.to || (execution->ended && *execution->ended < period.from))
-      continue;
-    if (first == nullptr) first = execution;
-    last = execution;
-  }
-  const SpokenWords* heard = nullptr;
-  for (const SpokenWords& words : facts_.words())
-    if (period.contains(words.time)) heard = &words;
-  if (first != nullptr) outcome_.cite(first->start_id, "looked at");
-  if (last != nullptr) outcome_.cite(last->start_id, "looked at");
-  if (heard != nullptr) outcome_.cite(heard->id, "looked at");
-  return first != nullptr || heard != nullptr;
-}
-
-void ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
+Status ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
   if (program_.source == ProgramSource::kRobot) {
     tell_is_at(kind, filter);
-    return;
+    return {};
   }
   if (kind == StepKind::kCount)
     outcome_.value = answers::Count{static_cast<int64_t>(size())};
@@ -202,16 +180,7 @@ void ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
   for (const ThingState& state : outcome_.states) outcome_.cite(state.id, "thing");
   for (const RefusedRequest& refusal : refusals_) outcome_.cite(refusal.id, "refusal");
   for (const DriveNote& note : drives_) outcome_.cite(note.id, "drive");
-  if (size() > 0) return;
-  // Where things are is told by their states, which were all looked at.
-  if (program_.source == ProgramSource::kThings) {
-    for (const ThingState& state : looked_at_) outcome_.cite(state.id, "looked at");
-    if (outcome_.evidence.empty()) miss("the memory has no thing");
-    return;
-  }
-  Period period = filter.begun();
-  if (filter.at()) period = {filter.at()->from, filter.at()->to};
-  if (!cite_looked_at(period)) miss("the memory has no record of that time");
+  return size() > 0 ? Status() : show_nothing(filter);
 }
 
 Status ProgramRun::compare(const ProgramStep& step) {

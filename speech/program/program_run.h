@@ -35,11 +35,21 @@ class ProgramRun {
 
   // Steps on any records (record_steps.cpp).
   bool select(const ProgramStep& step);
-  void count_or_exists(StepKind kind, const RecordFilter& filter);
+  Status count_or_exists(StepKind kind, const RecordFilter& filter);
   void tell_when();
   Status tell_who();
   void tell_which(const std::string& what);
   Status tell_said();
+
+  // Steps on no record at all (nothing_steps.cpp).
+  Status drop_forgotten(Period at);
+  Status tell_nothing(const ProgramStep& step, const RecordFilter& filter);
+  Status show_nothing(const RecordFilter& filter);
+  Status show_no_thing(const RecordFilter& filter);
+  Status cite_things_asked_about(const RecordFilter& filter, Time at);
+  void cite_related(const RecordFilter& filter, Period period);
+  void cite_around(Period period);
+  Result<std::vector<ltm::MemoryId>> records_of(Period period);
 
   // Steps on executions (execution_steps.cpp, plan_steps.cpp).
   Status apply_to_executions(const ProgramStep& step);
@@ -68,9 +78,6 @@ class ProgramRun {
   [[nodiscard]] bool is_missed() const { return !outcome_.missing.empty(); }
   /// The number of records that are left.
   [[nodiscard]] size_t size() const;
-  /// Cites the first and last record of a time, in which nothing fits. Returns whether there is
-  /// any.
-  bool cite_looked_at(const Period& period);
 
   const Program& program_;
   FactsAsOf& facts_;

@@ -143,6 +143,8 @@ Status RecordFilter::take_times(const Program& program, DayZone zone, const Inne
     if (filter.key == FilterKey::kBefore && period.from != Time::min())
       begun_.to = std::min(begun_.to, period.from - Duration(1));
   }
+  const bool is_to_come = begun_.from > facts_->now() || (at_ && at_->from > facts_->now());
+  if (missing_.empty() && is_to_come) missing_ = "that time has not come";
   return {};
 }
 
@@ -188,11 +190,18 @@ Result<bool> RecordFilter::keeps(const Execution& execution) {
       !has_outcome(execution) || !has_text(execution.reason))
     return false;
   if (!hand_.empty() && lower_ascii(execution.hand) != hand_) return false;
-  if (at_ && (execution.started > at_->to || (execution.ended && *execution.ended < at_->from)))
-    return false;
+  if (at_ && (execution.started > at_->to || execution.latest_end() < at_->from)) return false;
   if (speakers_.empty()) return true;
   ENGRAM_ASSIGN_OR_RETURN(const std::string speaker, speaker_of(*facts_, execution));
   return is_speaker(speaker);
+}
+
+int RecordFilter::relation(const Execution& execution) const {
+  int relation = 0;
+  if (has_things_ && has_entity(execution.thing, true)) relation += 4;
+  if (!skills_.empty() && has_skill(execution.provider, execution.skill)) relation += 2;
+  if (has_places_ && has_entity(execution.place, false)) relation += 1;
+  return relation;
 }
 
 bool RecordFilter::keeps(const SpokenWords& words) const {

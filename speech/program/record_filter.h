@@ -33,6 +33,10 @@ class RecordFilter {
   [[nodiscard]] bool keeps(const RefusedRequest& refusal) const;
   [[nodiscard]] bool keeps(const DriveNote& note) const;
 
+  /// How much an execution that is not kept has to do with what is asked about: its thing most,
+  /// then its skill, then its place; 0: nothing.
+  [[nodiscard]] int relation(const Execution& execution) const;
+
   [[nodiscard]] const std::vector<ltm::MemoryId>& things() const { return things_; }
   [[nodiscard]] const std::vector<ltm::MemoryId>& places() const { return places_; }
   [[nodiscard]] bool has_things() const { return has_things_; }

@@ -12,6 +12,7 @@ namespace {
 
 /// Executions that are told one by one; of more only how often and how they ended.
 constexpr size_t kMaxTold = 5;
+constexpr Duration kJustNow = std::chrono::minutes(1);
 
 std::string counted(size_t count, const char* word) {
   return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
@@ -80,7 +81,7 @@ class OutcomeTeller {
 
   std::string operator()(const answers::Names& answer) const {
     if (!outcome_.steps.empty()) return told_steps();
-    if (answer.value.empty()) return "Nothing does. " + told_state();
+    if (answer.value.empty()) return told_no_name();
     std::vector<std::string> names;
     for (const std::string& name : answer.value) names.push_back(printable(name));
     const ProgramStep* last =
@@ -103,7 +104,12 @@ class OutcomeTeller {
     return sentence((is_place ? "at " : "") + joined(names));
   }
 
-  std::string operator()(const answers::Events& /*answer*/) const { return told_executions(); }
+  std::string operator()(const answers::Events& answer) const {
+    if (!answer.value.empty()) return told_executions();
+    if (outcome_.program.find(FilterKey::kAt) != nullptr && outcome_.program.filters.size() == 1)
+      return "I was doing nothing.";
+    return fmt::format("Nothing. I remember no {}.", outcome_.looked_for);
+  }
 
   std::string operator()(const answers::Reason& answer) const {
     const ProgramStep* last =
@@ -126,6 +132,22 @@ class OutcomeTeller {
 
   [[nodiscard]] std::string thing_of(const ThingState& state) const {
     return "the " + printable(world_.spoken(state.id.entity()));
+  }
+
+  /// That no thing, place or skill is the answer, and when that was seen, unless just now.
+  [[nodiscard]] std::string told_no_name() const {
+    if (!outcome_.states.empty()) return "Nothing does. " + told_state();
+    const ProgramStep* last =
+        outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
+    const bool is_place = last != nullptr && last->argument && last->argument->text == "place";
+    if (outcome_.program.source != ProgramSource::kThings)
+      return fmt::format("{}. I remember no {}.", is_place ? "Nowhere" : "Nothing",
+                         outcome_.looked_for);
+    Time seen = Time::min();
+    for (const Evidence& one : outcome_.evidence)
+      seen = std::max(seen, one.id.time().value_or(seen));
+    if (seen == Time::min() || outcome_.now - seen < kJustNow) return "Nothing.";
+    return fmt::format("Nothing, as I saw it {}.", spoken_time(seen, outcome_.now, zone_));
   }
 
   static std::string told_words(const SpokenWords& words) {

@@ -221,6 +221,121 @@ TEST_F(Executing, KnowsWhatDidNotHappenOnlyWhereSomethingDid) {
             "unknown: the memory has no record of that time");
 }
 
+TEST_F(Executing, KnowsThatThereWasNothing) {
+  // The tea was let go at 08:00:36.5, and nothing was done since.
+  EXPECT_EQ(value_of("executions at=now | events"), "[]");
+  EXPECT_EQ(value_of("executions at=08:00:25 | events"), "[]");
+  EXPECT_EQ(value_of("executions at=08:00:25 | exists"), "false");
+  EXPECT_EQ(value_of("things held=yes | which=thing"), "[]");
+  EXPECT_EQ(value_of("things held=yes hand=left at=08:00:14 | which=thing"), "[]");
+  EXPECT_EQ(value_of("things place=table at=08:00:14 thing=tea | which=thing"), "[]");
+  EXPECT_EQ(value_of("things visible=yes | which=thing"), "[]");
+  EXPECT_EQ(value_of("executions outcome=problem during=08:00:09..08:00:30 | events"), "[]");
+  EXPECT_EQ(value_of("executions skill=place place=counter | which=thing"), "[]");
+  EXPECT_EQ(value_of("executions skill=place place=counter | how_many=thing"), "0");
+  // What is asked of something that was done has no answer where nothing was.
+  EXPECT_EQ(value_of("executions skill=place place=counter | last | events"),
+            "unknown: the memory has none");
+  EXPECT_EQ(value_of("executions skill=place place=counter | which=hand"),
+            "unknown: the memory has none");
+  EXPECT_EQ(value_of("executions skill=place place=counter | when"),
+            "unknown: the memory has none");
+}
+
+TEST_F(Executing, KnowsNothingOfATimeWithoutRecords) {
+  EXPECT_EQ(value_of("executions during=yesterday | events"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("executions at=yesterday/08:00:25 | events"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("executions at=2026-01-02/08:00 | exists"), "unknown: that time has not come");
+  EXPECT_EQ(value_of("executions during=2026-01-02 | events"), "unknown: that time has not come");
+  EXPECT_EQ(value_of("things held=yes at=07:00 | which=thing"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("things during=yesterday | which=thing"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("things during=yesterday | exists"),
+            "unknown: the memory has no record of that time");
+  // Two hours later there are none of that time either, but things stay in the hands they are in.
+  now_ = second(7200);
+  EXPECT_EQ(value_of("executions at=now | events"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("things visible=yes | which=thing"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("things held=yes | which=thing"), "[]");
+  // Of this day there are records without executions.
+  kitchen_.see(0, "tea_box_1", -0.5, 1.5, 0.96, true, "", 2);
+  ASSERT_OK(facts_->refresh());
+  now_ = second(60, 2);
+  EXPECT_EQ(value_of("executions during=today | events"), "[]");
+  EXPECT_EQ(value_of("executions during=yesterday | events"),
+            "unknown: the memory has no record of that time");
+}
+
+TEST_F(Executing, ShowsWhatWasThereInsteadOfWhatWasNot) {
+  const auto shown = [&](const std::string& text) {
+    std::string all;
+    for (const Evidence& one : outcome_of(text).evidence) {
+      const std::string id = one.id.to_string();
+      all += id.substr(id.find('/', id.find('/') + 1) + 1) + "\n";
+    }
+    return all;
+  };
+  // Both grasps of the salt were with the right hand; and here the salt is now.
+  EXPECT_EQ(shown("executions skill=pick thing=salt hand=left | exists"),
+            "robot/pick/2026-01-01 08:00:04.000000/0\n"
+            "robot/pick/2026-01-01 08:00:08.000000/0\n"
+            "robot/pick/2026-01-01 08:00:09.000000/0\n"
+            "robot/pick/2026-01-01 08:00:13.000000/0\n"
+            "kitchen/salt_box_1/2026-01-01 08:01:00.000000/0\n");
+  EXPECT_EQ(shown("executions skill=pick,place thing=\"red cup\" | none"),
+            "robot/pick/2026-01-01 08:00:04.000000/0\n"
+            "robot/pick/2026-01-01 08:00:08.000000/0\n"
+            "robot/pick/2026-01-01 08:00:09.000000/0\n"
+            "robot/pick/2026-01-01 08:00:13.000000/0\n"
+            "robot/place/2026-01-01 08:00:16.000000/0\n"
+            "robot/place/2026-01-01 08:00:19.000000/0\n"
+            "robot/pick/2026-01-01 08:00:34.000000/0\n"
+            "robot/pick/2026-01-01 08:00:36.500000/0\n"
+            "kitchen/red_cup_1/2026-01-01 08:00:00.000000/0\n");
+  EXPECT_EQ(shown("things thing=salt place=counter | exists"),
+            "kitchen/salt_box_1/2026-01-01 08:01:00.000000/0\n");
+  // What went on then, and what was done right before and after it.
+  EXPECT_EQ(shown("executions skill=navigate at=08:00:10 | exists"),
+            "robot/pick/2026-01-01 08:00:09.000000/0\n");
+  EXPECT_EQ(shown("executions at=08:00:25 | events"),
+            "robot/place/2026-01-01 08:00:19.000000/0\n"
+            "robot/look/2026-01-01 08:00:30.000000/0\n");
+  EXPECT_EQ(shown("words speaker=ada text=tea | exists"),
+            "human/text/2026-01-01 08:00:01.000000/0\n"
+            "human/text/2026-01-01 08:00:30.000000/0\n"
+            "human/text/2026-01-01 08:00:36.000000/0\n");
+  EXPECT_EQ(shown("executions outcome=lost | exists"),
+            "robot/look/2026-01-01 08:00:01.000000/0\n"
+            "robot/pick/2026-01-01 08:00:34.000000/0\n"
+            "human/text/2026-01-01 08:00:36.000000/0\n"
+            "robot/plan/2026-01-01 08:00:30.000000/0\n");
+}
+
+TEST_F(Executing, TakesNothingWithoutAnEndForGoingOnForEver) {
+  // The recording of this day ended before the execution did.
+  kitchen_.execute({.skill = "pick", .from = 50, .hand = "right", .day = 1, .is_ended = false});
+  kitchen_.live_one_minute(2);
+  kitchen_.execute({.skill = "look", .from = 61, .to = 3 * 86'400, .outcome = 4, .day = 2});
+  ASSERT_OK(facts_->refresh());
+  now_ = second(55, 1);
+  EXPECT_EQ(value_of("executions at=now | which=skill"), R"(["pick"])");
+  now_ = second(60, 2);
+  EXPECT_EQ(value_of("executions at=now | events"), "[]");
+  EXPECT_EQ(value_of("executions at=2026-01-02/12:00 | exists"),
+            "unknown: the memory has no record of that time");
+  // What was lost may have ended at any time before that was found out.
+  now_ = second(60, 5);
+  EXPECT_EQ(value_of("executions skill=look | longest | when"), R"("2026-01-01 08:00:01.000000")");
+  EXPECT_EQ(value_of("executions skill=look | shortest | when"), R"("2026-01-01 08:00:01.000000")");
+  EXPECT_EQ(value_of("executions skill=pick during=2026-01-04 | events"),
+            "unknown: the memory has no record of that time");
+}
+
 TEST_F(Executing, KnowsNothingOfWhatNothingIsCalled) {
   EXPECT_EQ(value_of("executions thing=elephant | count"), "unknown: no thing is called elephant");
   EXPECT_EQ(value_of("executions thing=oil | exists"), "unknown: none called oil was ever seen");

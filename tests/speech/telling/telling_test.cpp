@@ -27,10 +27,10 @@ class Telling : public ::testing::Test {
     facts_ = *std::move(facts);
   }
 
-  std::string told(const std::string& text) {
+  std::string told(const std::string& text, Time now = second(60)) {
     const auto program = Program::parse(text);
     EXPECT_OK(program);
-    const auto outcome = execute(*program, *facts_, second(60), DayZone::kUtc);
+    const auto outcome = execute(*program, *facts_, now, DayZone::kUtc);
     EXPECT_OK(outcome);
     return tell(*outcome, *facts_, DayZone::kUtc);
   }
@@ -67,6 +67,20 @@ TEST_F(Telling, SaysEachKindOfValue) {
   EXPECT_THAT(told("executions skill=pick thing=salt | count"), HasSubstr("Twice. At 08:00:04 I"));
   EXPECT_EQ(told("executions skill=pick thing=\"red cup\" | exists"),
             "No. I remember no executions of pick of the red cup.");
+}
+
+TEST_F(Telling, SaysThatThereWasNothing) {
+  EXPECT_EQ(told("executions at=now | events"), "I was doing nothing.");
+  EXPECT_EQ(told("executions skill=place place=counter | events"),
+            "Nothing. I remember no executions of place at the counter.");
+  EXPECT_EQ(told("executions skill=navigate thing=\"red cup\" | which=place"),
+            "Nowhere. I remember no executions of navigate of the red cup.");
+  EXPECT_EQ(told("things held=yes | which=thing"), "Nothing.");
+  EXPECT_EQ(told("things thing=salt | holder"),
+            "Nothing does. At 08:01:00 the salt was on the table.");
+  // What was seen long ago is told with its time.
+  EXPECT_EQ(told("things held=yes | which=thing", second(7200)),
+            "Nothing, as I saw it at 08:01:00.");
 }
 
 TEST_F(Telling, SaysWhatItDoesNotKnow) {
