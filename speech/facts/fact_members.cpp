@@ -66,7 +66,10 @@ std::optional<Time> time_in(const idf::Data& value, std::string_view member) {
   const auto* dict = value.get_if<idf::Dict>();
   const idf::Data* found = dict == nullptr ? nullptr : dict->find(member);
   const auto* ns = found == nullptr ? nullptr : found->get_if<int64_t>();
-  return ns == nullptr ? std::nullopt : std::optional(time_from_ns(*ns));
+  // The difference of two times has to fit into a Duration, too.
+  constexpr int64_t kMaxTime_ns = 4'000'000'000'000'000'000;
+  if (ns == nullptr || *ns > kMaxTime_ns || *ns < -kMaxTime_ns) return {};
+  return time_from_ns(*ns);
 }
 
 std::optional<ltm::MemoryId> link_named(const std::string& text) {

@@ -20,7 +20,7 @@ namespace engram::speech {
 /// The text of a member; empty where there is none.
 [[nodiscard]] std::string text_in(const idf::Data& value, std::string_view member);
 
-/// Nothing where the member is no time.
+/// Nothing where the member is no time, or one of before 1844 or after 2096.
 [[nodiscard]] std::optional<Time> time_in(const idf::Data& value, std::string_view member);
 
 /// An integer of either width, or a bool.

@@ -15,6 +15,9 @@ namespace {
 /// A memory of more provider segments is no robot's, and each costs a query.
 constexpr size_t kMaxSegments = 1000;
 
+/// Entities of a segment at which somebody looks until one tells of something.
+constexpr size_t kMaxLooks = 8;
+
 /// Images live here (docs/design.md, section 2), and decoding one only to see what it is may take
 /// a network.
 constexpr std::string_view kImageMemory = "Vision";
@@ -22,6 +25,11 @@ constexpr std::string_view kImageMemory = "Vision";
 bool is_rare(FactKind kind) {
   return kind == FactKind::kExecution || kind == FactKind::kRefusal || kind == FactKind::kWords ||
          kind == FactKind::kPlan || kind == FactKind::kDriveNote;
+}
+
+/// What things and places are called, and where places are.
+bool is_of_world(FactKind kind) {
+  return kind == FactKind::kThingClass || kind == FactKind::kSurface || kind == FactKind::kLocation;
 }
 
 /// The query of all entities below a prefix.
@@ -53,20 +61,19 @@ Result<ltm::QueryResult> FactsReader::query(const ltm::MemoryId& prefix,
 Status FactsReader::refresh() {
   ENGRAM_RETURN_IF_ERROR(find_segments());
   for (auto& [id, segment] : segments_)
-    if (is_rare(segment.kind) && segment.last > segment.read_until)
-      ENGRAM_RETURN_IF_ERROR(read_segment(id, segment));
+    if (is_rare(segment.kind)) ENGRAM_RETURN_IF_ERROR(read_segment(id, segment));
   collect();
   return {};
 }
 
-/// Lists the entities without their data, and looks at one value of each segment that is new.
+/// Lists the entities without their data, and looks at values of a segment that is new until one
+/// says what it tells of.
 Status FactsReader::find_segments() {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Query all, ltm::Query::parse("?ids .* @ latest"));
   auto found = memory_.query(all);
   if (!found.ok() && found.status().code() == StatusCode::kNotFound) return {};
   ENGRAM_RETURN_IF_ERROR(found.status());
-  const auto entities = found->entities();
-  for (const ltm::EntityResult* entity : entities) {
+  for (const ltm::EntityResult* entity : found->entities()) {
     if (entity->snapshots.empty()) continue;
     const Time last = entity->snapshots.back().time;
     last_ = std::max(last_, last);
@@ -74,12 +81,17 @@ Status FactsReader::find_segments() {
     const auto known = segments_.find(id);
     if (known == segments_.end() && segments_.size() >= kMaxSegments) continue;
     Segment& segment = known == segments_.end() ? segments_[id] : known->second;
-    if (known == segments_.end()) ENGRAM_RETURN_IF_ERROR(look_at(id, entity->id, segment));
-    segment.last = std::max(segment.last, last);
+    const auto [of_entity, is_new] = segment.entities.try_emplace(entity->id);
+    Extent& extent = of_entity->second;
+    const bool is_unknown = segment.kind == FactKind::kNothing;
+    // There may be several robots beside each other; else one entity tells what all of them are.
+    if (is_new &&
+        (is_unknown ? segment.entities.size() <= kMaxLooks : segment.kind == FactKind::kRobot))
+      ENGRAM_RETURN_IF_ERROR(look_at(id, entity->id, segment));
+    if (is_new || (is_of_world(segment.kind) && last > extent.last)) is_world_read_ = false;
+    extent.last = std::max(extent.last, last);
   }
-  if (entities.size() == entities_) return {};
-  entities_ = entities.size();
-  return read_world();
+  return is_world_read_ ? Status() : read_world();
 }
 
 Status FactsReader::look_at(const ltm::MemoryId& segment, const ltm::MemoryId& entity,
@@ -89,9 +101,11 @@ Status FactsReader::look_at(const ltm::MemoryId& segment, const ltm::MemoryId& e
   const ltm::EntityResult* read = latest.find_entity(entity);
   if (read == nullptr || read->snapshots.empty() || read->snapshots.back().instances.empty())
     return {};
-  found.kind = fact_kind(read->snapshots.back().instances.front().data);
-  if (found.kind == FactKind::kThing) thing_segments_.push_back(segment);
-  if (found.kind == FactKind::kRobot) robots_.push_back(entity);
+  const FactKind kind = fact_kind(read->snapshots.back().instances.front().data);
+  if (kind == FactKind::kRobot) robots_.push_back(entity);
+  if (found.kind != FactKind::kNothing) return {};
+  found.kind = kind;
+  if (kind == FactKind::kThing) thing_segments_.push_back(segment);
   return {};
 }
 
@@ -100,7 +114,9 @@ Status FactsReader::read_world() {
   std::map<ltm::MemoryId, std::string> spoken;
   ENGRAM_RETURN_IF_ERROR(read_classes(spoken));
   ENGRAM_RETURN_IF_ERROR(read_things(spoken));
-  return read_places();
+  ENGRAM_RETURN_IF_ERROR(read_places());
+  is_world_read_ = true;
+  return {};
 }
 
 /// What kinds of things are called. A kind of which nothing was seen is known by its name, too.
@@ -164,16 +180,28 @@ Status FactsReader::read_places() {
 }
 
 Status FactsReader::read_segment(const ltm::MemoryId& id, Segment& segment) {
-  const Time from =
-      segment.read_until == Time::min() ? Time::min() : segment.read_until + Duration(1);
+  Time last = Time::min();
+  for (const auto& [entity, extent] : segment.entities) last = std::max(last, extent.last);
+  if (!segment.is_read) ENGRAM_RETURN_IF_ERROR(read_below(id, Time::min(), last, segment.kind));
+  for (auto& [entity, extent] : segment.entities) {
+    // What one entity was told of may be earlier than what was read of another.
+    if (segment.is_read && extent.last > extent.read_until)
+      ENGRAM_RETURN_IF_ERROR(read_below(
+          entity, extent.read_until == Time::min() ? Time::min() : extent.read_until + Duration(1),
+          extent.last, segment.kind));
+    extent.read_until = extent.last;
+  }
+  segment.is_read = true;
+  return {};
+}
+
+Status FactsReader::read_below(const ltm::MemoryId& prefix, Time from, Time to, FactKind kind) {
   ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
-                          query(id, ltm::select::TimeRange{from, segment.last}));
+                          query(prefix, ltm::select::TimeRange{from, to}));
   for (const ltm::EntityResult* entity : found.entities())
     for (const ltm::SnapshotResult& snapshot : entity->snapshots)
       if (!snapshot.instances.empty())
-        take(segment.kind, entity->id.at(snapshot.time).instance(0),
-             snapshot.instances.front().data);
-  segment.read_until = segment.last;
+        take(kind, entity->id.at(snapshot.time).instance(0), snapshot.instances.front().data);
   return {};
 }
 
@@ -194,8 +222,9 @@ void FactsReader::collect() {
   std::erase_if(refusals_,
                 [](const RefusedRequest& refusal) { return refusal.skill == kAnsweringSkill; });
   const auto by_time = [](auto& records) {
-    std::sort(records.begin(), records.end(),
-              [](const auto& a, const auto& b) { return a.time < b.time; });
+    std::sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
+      return a.time != b.time ? a.time < b.time : a.id < b.id;
+    });
   };
   by_time(words_);
   by_time(plans_);

@@ -40,11 +40,16 @@ class FactsReader {
   std::vector<ltm::MemoryId> robots_;
 
  private:
-  /// A provider segment: what it tells of, and up to when it was read.
-  struct Segment {
-    FactKind kind = FactKind::kNothing;
+  /// Up to when an entity was read, and up to when there is something to read.
+  struct Extent {
     Time read_until = Time::min();
     Time last = Time::min();
+  };
+  /// A provider segment: what it tells of, and its entities.
+  struct Segment {
+    FactKind kind = FactKind::kNothing;
+    std::map<ltm::MemoryId, Extent> entities{};
+    bool is_read = false;
   };
 
   Status find_segments();
@@ -54,11 +59,12 @@ class FactsReader {
   Status read_things(const std::map<ltm::MemoryId, std::string>& spoken);
   Status read_places();
   Status read_segment(const ltm::MemoryId& id, Segment& segment);
+  Status read_below(const ltm::MemoryId& prefix, Time from, Time to, FactKind kind);
   void take(FactKind kind, const ltm::MemoryId& id, const idf::Data& value);
   void collect();
 
   std::map<ltm::MemoryId, Segment> segments_;
-  size_t entities_ = 0;
+  bool is_world_read_ = false;
 };
 
 }  // namespace engram::speech

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "ltm/core/ascii.h"
 #include "ltm/idf/json.h"
@@ -113,7 +114,7 @@ void ExecutionTable::add(const ltm::MemoryId& id, const idf::Data& value, const 
   const auto stage = integer_in(value, "stage");
   if (stage ? *stage != kStageEnded : outcome == ltm::ActionOutcome::kRunning) return;
   execution.outcome = outcome;
-  execution.ended = time_in(value, "ended").value_or(*id.time());
+  execution.ended = std::max(started, time_in(value, "ended").value_or(*id.time()));
   execution.end_id = id;
   execution.reason = text_in(value, "reason");
   execution.stopped_by = links_in(value, "stopped_by");
@@ -186,7 +187,8 @@ KnownPlace read_surface(const ltm::MemoryId& id, const idf::Data& value) {
   KnownPlace place = named_place(id, value);
   const auto number = [&value](const char* member) {
     const idf::Data* found = value.at(member);
-    return found == nullptr ? 0.0 : found->as_number().value_or(0);
+    const double length = found == nullptr ? 0.0 : found->as_number().value_or(0);
+    return std::isfinite(length) ? std::max(length, 0.0) : 0.0;
   };
   place.depth_m = number("depth");
   place.width_m = number("width");

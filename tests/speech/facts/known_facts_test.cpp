@@ -4,6 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "tests/ltm/expect_status.h"
 #include "tests/speech/remembered_kitchen.h"
 
@@ -230,6 +233,80 @@ TEST(KnownFacts, AreNotMisledByHostileValues) {
     ASSERT_OK(causes);
     EXPECT_LE(causes->size(), 16u);
   }
+}
+
+TEST(KnownFacts, StandNumbersThatAreNone) {
+  RememberedKitchen kitchen;
+  kitchen.live_one_minute();
+  const double none = std::nan("");
+  const auto pose = idf::Dict{
+      {std::string(idf::kPositionKey), idf::NdArray::take({3}, std::vector<double>{-1.6, 0, 0.81})},
+      {std::string(idf::kOrientationKey),
+       idf::NdArray::take({4}, std::vector<double>{1, 0, 0, 0})}};
+  ASSERT_OK(kitchen.memory().commit(
+      {{{*ltm::MemoryId::parse("Objects/Surfaces/kitchen/mist"),
+         second(1),
+         {{idf::Data(idf::Dict{
+               {"name", "mist"}, {"pose_world_surface", pose}, {"depth", none}, {"width", none}}),
+           {}}}}}}));
+  // An end before its start, and a start at the end of all times.
+  const auto commit = [&](const char* name, int64_t started, int64_t ended) {
+    const auto entity = *ltm::MemoryId::parse(std::string("Skill/Event/robot/") + name);
+    idf::Dict value{{"skill", name},
+                    {"outcome", int32_t{1}},
+                    {"stage", int32_t{2}},
+                    {"started", started},
+                    {"ended", ended}};
+    ASSERT_OK(kitchen.memory().commit({{{entity, second(58), {{idf::Data(value), {}}}}}}));
+  };
+  commit("a", to_ns(second(57)), to_ns(second(50)));
+  commit("b", std::numeric_limits<int64_t>::min(), std::numeric_limits<int64_t>::max());
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto state = (*facts)->thing_at(thing_entity("salt_box_1"), second(59));
+  ASSERT_OK(state);
+  EXPECT_EQ((*facts)->world().under(*(*state)->spot)->spoken, "table");
+  ASSERT_THAT((*facts)->executions(), SizeIs(11));
+  EXPECT_EQ((*facts)->executions()[9].ended, second(57));
+  EXPECT_EQ((*facts)->executions()[10].started, second(58));
+  EXPECT_EQ((*facts)->executions()[10].ended, second(58));
+}
+
+TEST(KnownFacts, LookAtMoreThanTheFirstEntityOfAProvider) {
+  RememberedKitchen kitchen;
+  ASSERT_OK(
+      kitchen.memory().commit({{{*ltm::MemoryId::parse("RobotState/Localization/robot/battery"),
+                                 second(0),
+                                 {{idf::Data(idf::Dict{{"charge", 0.5}}), {}}}}}}));
+  kitchen.stand(1, 0, 0.5, 1.57);
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const auto robot = (*facts)->robot_at(second(2));
+  ASSERT_OK(robot);
+  EXPECT_TRUE(robot->has_value());
+}
+
+TEST(KnownFacts, TakeUpWhatIsToldLaterOfEarlier) {
+  RememberedKitchen kitchen;
+  kitchen.execute({.skill = "pick", .from = 1, .to = 10});
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  // Another skill of the same provider ended before, and its events come only now.
+  kitchen.execute({.skill = "look", .from = 2, .to = 3});
+  ASSERT_OK((*facts)->refresh());
+  ASSERT_THAT((*facts)->executions(), SizeIs(2));
+  EXPECT_EQ((*facts)->executions()[1].skill, "look");
+  // A place that was moved is where it is now.
+  const auto counter = [&] { return (*facts)->world().places_called("counter").size(); };
+  EXPECT_EQ(counter(), 1u);
+  ASSERT_OK(kitchen.memory().commit(
+      {{{*ltm::MemoryId::parse("Objects/Surfaces/kitchen/counter"),
+         second(20),
+         {{idf::Data(idf::Dict{
+               {"name", "bench"}, {"pose_world_surface", 0.0}, {"depth", 0.6}, {"width", 4.0}}),
+           {}}}}}}));
+  ASSERT_OK((*facts)->refresh());
+  EXPECT_EQ((*facts)->world().places_called("bench").size(), 1u);
 }
 
 TEST(KnownFacts, ReadActionsOfBeforeThereWereEvents) {
