@@ -116,4 +116,12 @@ std::string words_of_name(const std::string& name) {
   return words;
 }
 
+std::string words_of_hand(const std::string& name) {
+  constexpr std::string_view kHand = " hand";
+  std::string words = words_of_name(name);
+  if (words.size() > kHand.size() && words.ends_with(kHand))
+    words.resize(words.size() - kHand.size());
+  return words;
+}
+
 }  // namespace engram::speech

@@ -45,7 +45,7 @@ struct ThingState {
   Time time{};
   std::optional<Spot> spot;
   std::optional<bool> is_visible;
-  std::string held_by;  ///< Empty: nothing holds it.
+  std::string held_by;  ///< The words of the hand; empty: nothing holds it.
 };
 
 /// Which things and places there are, what they are called, and what is where.
@@ -84,5 +84,8 @@ class KnownWorld {
 
 /// "salt_box_1" as words: "salt box".
 [[nodiscard]] std::string words_of_name(const std::string& name);
+
+/// "Right_Hand", "right hand" and "right" as a word: "right".
+[[nodiscard]] std::string words_of_hand(const std::string& name);
 
 }  // namespace engram::speech

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "ltm/core/ascii.h"
 #include "ltm/idf/json.h"
 #include "speech/facts/fact_members.h"
 
@@ -14,6 +13,12 @@ namespace engram::speech {
 namespace {
 
 constexpr int64_t kStageEnded = 2;
+
+/// A hand may be named, or be an entity of its own.
+std::string hand_named(const std::string& text) {
+  const auto link = link_named(text);
+  return words_of_hand(link ? link->names().back() : text);
+}
 
 /// What an event is about: the entities and names that its members lead to.
 class AboutReader {
@@ -35,7 +40,7 @@ class AboutReader {
   void take(const std::string& member, const std::string& text) {
     // The words of a reason may be the name of a thing.
     if (text.empty() || member == "reason" || member == "skill" || member == "result") return;
-    if (member == "hand" && execution_.hand.empty()) execution_.hand = lower_ascii(text);
+    if (member == "hand" && execution_.hand.empty()) execution_.hand = hand_named(text);
     if (const auto link = link_named(text)) {
       const ltm::MemoryId entity = link->entity();
       if (!execution_.thing && world_.thing(entity) != nullptr) execution_.thing = entity;
@@ -178,7 +183,8 @@ DriveNote read_drive_note(const ltm::MemoryId& id, const idf::Data& value) {
 }
 
 ThingState read_thing_state(const ltm::MemoryId& id, const idf::Data& value) {
-  ThingState state{id, *id.time(), spot_in(value, "pose_world_"), {}, text_in(value, "held_by")};
+  ThingState state{
+      id, *id.time(), spot_in(value, "pose_world_"), {}, hand_named(text_in(value, "held_by"))};
   if (const auto visible = integer_in(value, "is_visible")) state.is_visible = *visible != 0;
   return state;
 }

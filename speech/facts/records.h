@@ -23,7 +23,7 @@ struct Execution {
   std::string reason;  ///< What was measured, or why it ended.
   Time started{};
   std::optional<Time> ended;
-  std::string hand;                    ///< Empty: none is told.
+  std::string hand;                    ///< Its words; empty: none is told.
   std::optional<ltm::MemoryId> thing;  ///< What it was done with.
   std::optional<ltm::MemoryId> place;  ///< Where it was done, or where it led.
   std::optional<ltm::MemoryId> request;

@@ -39,8 +39,10 @@ void ProgramRun::tell_retried() {
   for (const Execution& execution : asked) {
     outcome_.cite(execution);
     for (const Execution* later : facts_.executions()) {
-      if (later->started <= execution.started || later->skill != execution.skill ||
-          later->thing != execution.thing || later->plan != execution.plan)
+      if (later->started <= execution.started ||
+          later->started < execution.ended.value_or(execution.started) ||
+          later->skill != execution.skill || later->thing != execution.thing ||
+          later->plan != execution.plan || (!execution.plan && later->place != execution.place))
         continue;
       is_retried = true;
       outcome_.cite(*later);

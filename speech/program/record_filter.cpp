@@ -21,18 +21,23 @@ std::vector<std::string> comma_parts(const std::string& text) {
 }
 
 /// An entity by its ID, or all that have a name.
-std::vector<ltm::MemoryId> entities_called(const KnownWorld& world, const std::string& text,
+std::vector<ltm::MemoryId> entities_called(const KnownWorld& world, const std::string& name,
                                            bool is_thing) {
-  std::vector<ltm::MemoryId> entities;
-  for (const std::string& name : comma_parts(text)) {
-    if (const auto id = ltm::MemoryId::parse(name); id.ok() && id->has_entity()) {
-      entities.push_back(id->entity());
-      continue;
-    }
-    const auto found = is_thing ? world.things_called(name) : world.places_called(name);
-    entities.insert(entities.end(), found.begin(), found.end());
-  }
-  return entities;
+  const auto id = ltm::MemoryId::parse(name);
+  if (!id.ok() || !id->has_entity())
+    return is_thing ? world.things_called(name) : world.places_called(name);
+  const bool is_known =
+      is_thing ? world.thing(id->entity()) != nullptr : world.place(id->entity()) != nullptr;
+  return is_known ? std::vector{id->entity()} : std::vector<ltm::MemoryId>();
+}
+
+/// A clock shows whole seconds, so what is said at one of them may be anywhere within it.
+Period with_its_second(Period period) {
+  constexpr Duration kSecond = std::chrono::seconds(1);
+  if (period.is_moment() && period.to.time_since_epoch() % kSecond == Duration(0) &&
+      period.to < Time::max() - kSecond)
+    period.to += kSecond - Duration(1);
+  return period;
 }
 
 bool is_speaker_known(const KnownFacts& facts, const std::string& lower) {
@@ -47,6 +52,7 @@ Result<RecordFilter> RecordFilter::create(const Program& program, FactsAsOf& fac
   RecordFilter filter(facts);
   filter.take_names(program);
   ENGRAM_RETURN_IF_ERROR(filter.take_times(program, zone, inner));
+  ENGRAM_RETURN_IF_ERROR(filter.check_hand());
   return filter;
 }
 
@@ -55,25 +61,52 @@ void RecordFilter::take_names(const Program& program) {
     if (filter.value.program == nullptr) take_name(filter.key, filter.value.text);
 }
 
-void RecordFilter::take_name(FilterKey key, const std::string& text) {
+/// Whichever of the names nothing is called, the answer is unknown.
+void RecordFilter::take_entities(const std::string& text, bool is_thing) {
   const KnownWorld& world = facts_->world();
+  (is_thing ? has_things_ : has_places_) = true;
+  std::vector<std::string> names = comma_parts(text);
+  if (names.empty()) names.push_back(text);
+  for (const std::string& name : names) {
+    auto found = entities_called(world, name, is_thing);
+    auto& entities = is_thing ? things_ : places_;
+    entities.insert(entities.end(), found.begin(), found.end());
+    if (!found.empty() || !missing_.empty()) continue;
+    missing_ =
+        is_thing && world.knows_thing(name)
+            ? fmt::format("none called {} was ever seen", printable(name))
+            : fmt::format("no {} is called {}", is_thing ? "thing" : "place", printable(name));
+  }
+}
+
+/// People have a left and a right hand, whatever the memory tells; of others somebody must have
+/// told.
+Status RecordFilter::check_hand() {
+  if (hand_.empty() || hand_ == "left" || hand_ == "right" || !missing_.empty()) return {};
+  const auto& executions = facts_->names().executions();
+  bool is_known = std::any_of(executions.begin(), executions.end(),
+                              [&](const Execution& one) { return one.hand == hand_; });
+  for (const Time time : {facts_->now(), at_ ? at_->to : facts_->now()}) {
+    if (is_known) break;
+    ENGRAM_ASSIGN_OR_RETURN(const auto states, facts_->things_at(time));
+    is_known = std::any_of(states.begin(), states.end(),
+                           [&](const ThingState& one) { return one.held_by == hand_; });
+  }
+  if (!is_known) missing_ = fmt::format("no hand is called {}", printable(hand_));
+  return {};
+}
+
+void RecordFilter::take_name(FilterKey key, const std::string& text) {
   const std::string lower = lower_ascii(text);
   const auto miss = [&](const char* kind) {
     if (missing_.empty()) missing_ = fmt::format("no {} is called {}", kind, printable(text));
   };
   switch (key) {
     case FilterKey::kThing:
-      things_ = entities_called(world, text, true);
-      has_things_ = true;
-      if (things_.empty() && world.knows_thing(text))
-        missing_ = fmt::format("none called {} was ever seen", printable(text));
-      else if (things_.empty())
-        miss("thing");
+      take_entities(text, true);
       break;
     case FilterKey::kPlace:
-      places_ = entities_called(world, text, false);
-      has_places_ = true;
-      if (places_.empty()) miss("place");
+      take_entities(text, false);
       break;
     case FilterKey::kSkill: {
       skills_ = comma_parts(lower);
@@ -91,7 +124,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
         if (!is_speaker_known(facts_->names(), speaker)) miss("person who spoke");
       break;
     case FilterKey::kHand:
-      hand_ = lower;
+      hand_ = words_of_hand(text);
       break;
     case FilterKey::kOutcome:
       outcome_ = lower;
@@ -131,6 +164,9 @@ Status RecordFilter::take_times(const Program& program, DayZone zone, const Inne
       ENGRAM_ASSIGN_OR_RETURN(period, resolve_period(filter.value.text, facts_->now(), zone));
     }
     if (filter.key == FilterKey::kAt) at_ = period;
+    if (filter.key == FilterKey::kDuring && filter.value.program == nullptr &&
+        !filter.value.text.starts_with("now"))
+      period = with_its_second(period);
     if (filter.key == FilterKey::kDuring) {
       begun_.from = std::max(begun_.from, period.from);
       begun_.to = std::min(begun_.to, period.to);
@@ -150,6 +186,10 @@ Status RecordFilter::take_times(const Program& program, DayZone zone, const Inne
 
 bool RecordFilter::is_begun(Time time) const {
   return begun_.contains(time);
+}
+
+bool RecordFilter::is_said_at(Time time) const {
+  return !at_ || with_its_second(*at_).contains(time);
 }
 
 bool RecordFilter::has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const {
@@ -189,7 +229,7 @@ Result<bool> RecordFilter::keeps(const Execution& execution) {
       !has_entity(execution.thing, true) || !has_entity(execution.place, false) ||
       !has_outcome(execution) || !has_text(execution.reason))
     return false;
-  if (!hand_.empty() && lower_ascii(execution.hand) != hand_) return false;
+  if (!hand_.empty() && execution.hand != hand_) return false;
   if (at_ && (execution.started > at_->to || execution.latest_end() < at_->from)) return false;
   if (speakers_.empty()) return true;
   ENGRAM_ASSIGN_OR_RETURN(const std::string speaker, speaker_of(*facts_, execution));
@@ -205,13 +245,12 @@ int RecordFilter::relation(const Execution& execution) const {
 }
 
 bool RecordFilter::keeps(const SpokenWords& words) const {
-  return is_begun(words.time) && has_text(words.text) && (!at_ || at_->contains(words.time)) &&
+  return is_begun(words.time) && has_text(words.text) && is_said_at(words.time) &&
          (speakers_.empty() || is_speaker(words.speaker));
 }
 
 bool RecordFilter::keeps(const TaskPlan& plan) const {
-  if (!is_begun(plan.time) || !has_text(plan.goal) || (at_ && !at_->contains(plan.time)))
-    return false;
+  if (!is_begun(plan.time) || !has_text(plan.goal) || !is_said_at(plan.time)) return false;
   const SpokenWords* words = plan.command ? facts_->words_at(*plan.command) : nullptr;
   if (!speakers_.empty() && (words == nullptr || !is_speaker(words->speaker))) return false;
   const auto leads_to = [&](bool is_thing) {
@@ -224,12 +263,12 @@ bool RecordFilter::keeps(const TaskPlan& plan) const {
 
 bool RecordFilter::keeps(const RefusedRequest& refusal) const {
   return is_begun(refusal.time) && has_skill({}, refusal.skill) && has_text(refusal.reason) &&
-         (!at_ || at_->contains(refusal.time));
+         is_said_at(refusal.time);
 }
 
 bool RecordFilter::keeps(const DriveNote& note) const {
   return is_begun(note.time) && has_text(note.goal + " " + note.reason) &&
-         (kind_.empty() || note.kind == kind_) && (!at_ || at_->contains(note.time));
+         (kind_.empty() || note.kind == kind_) && is_said_at(note.time);
 }
 
 Result<std::optional<SpokenWords>> words_of(FactsAsOf& facts, const Execution& execution) {

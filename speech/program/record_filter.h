@@ -53,8 +53,11 @@ class RecordFilter {
 
   void take_names(const Program& program);
   void take_name(FilterKey key, const std::string& text);
+  void take_entities(const std::string& text, bool is_thing);
+  Status check_hand();
   Status take_times(const Program& program, DayZone zone, const InnerTime& inner);
   [[nodiscard]] bool is_begun(Time time) const;
+  [[nodiscard]] bool is_said_at(Time time) const;
   [[nodiscard]] bool has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const;
   [[nodiscard]] bool has_skill(const std::string& provider, const std::string& skill) const;
   [[nodiscard]] bool has_text(const std::string& text) const;

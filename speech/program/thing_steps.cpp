@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "ltm/core/ascii.h"
 #include "speech/program/program_run.h"
 
 namespace engram::speech {
@@ -59,7 +58,7 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
   for (ThingState& state : states) {
     if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
     if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, at)) continue;
-    if (!filter.hand().empty() && lower_ascii(state.held_by) != filter.hand()) continue;
+    if (!filter.hand().empty() && state.held_by != filter.hand()) continue;
     if (filter.has_places()) {
       const KnownPlace* place =
           state.spot && state.held_by.empty() ? world.under(*state.spot) : nullptr;
@@ -136,7 +135,7 @@ void ProgramRun::tell_where_things() {
   for (const ThingState& state : outcome_.states) {
     outcome_.cite(state.id, "thing");
     if (!state.held_by.empty()) {
-      const bool says_hand = lower_ascii(state.held_by).find("hand") != std::string::npos;
+      const bool says_hand = state.held_by.find("hand") != std::string::npos;
       names.push_back(says_hand ? state.held_by : state.held_by + " hand");
       continue;
     }

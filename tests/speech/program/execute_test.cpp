@@ -346,6 +346,64 @@ TEST_F(Executing, KnowsNothingOfWhatNothingIsCalled) {
             "unknown: no thing is called elephant");
 }
 
+TEST_F(Executing, KnowsNothingOfAnyNameThatNothingHas) {
+  EXPECT_EQ(value_of("executions thing=salt,elephant | exists"),
+            "unknown: no thing is called elephant");
+  EXPECT_EQ(value_of("executions thing=Objects/Instances/kitchen/ghost_1 | exists"),
+            "unknown: no thing is called Objects/Instances/kitchen/ghost_1");
+  EXPECT_EQ(value_of("executions hand=third | exists"), "unknown: no hand is called third");
+  EXPECT_EQ(value_of("things hand=third | which=thing"), "unknown: no hand is called third");
+  // Hands are the same by whatever name.
+  kitchen_.see(58, "tea_box_1", 0, 0, 1, true, "Upper_Hand");
+  EXPECT_EQ(value_of("things hand=upper at=08:00:59 | which=thing"), R"(["tea"])");
+  EXPECT_EQ(value_of("things hand=\"upper hand\" at=08:00:59 | exists"), "true");
+  EXPECT_EQ(value_of("things thing=tea at=08:00:59 | where"), R"(["upper hand"])");
+  EXPECT_EQ(value_of("executions hand=\"right hand\" | count"), "3");
+}
+
+TEST_F(Executing, FindsWordsWithinTheSecondOfAClock) {
+  kitchen_.say(40.3, "Ada", "Thank you.");
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("words at=08:00:40 | said"), R"("Thank you.")");
+  EXPECT_EQ(value_of("words during=08:00:40 | exists"), "true");
+  EXPECT_EQ(value_of("words at=08:00:41 | exists"), "false");
+}
+
+TEST_F(Executing, TellsTwoExecutionsThatRunInParallel) {
+  kitchen_.execute({.skill = "wipe", .from = 40, .to = 50, .hand = "left"});
+  kitchen_.execute({.skill = "pour", .from = 40, .to = 45, .outcome = 2, .hand = "right"});
+  kitchen_.execute({.skill = "pour", .from = 42, .to = 44, .hand = "left"});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions at=08:00:43 | which=skill"), R"(["pour","wipe"])");
+  EXPECT_EQ(value_of("executions at=08:00:43 | how_many=hand"), "2");
+  // What began while it ran is no second attempt.
+  EXPECT_EQ(value_of("executions skill=pour | first | retried"), "false");
+  kitchen_.execute({.skill = "pour", .from = 46, .to = 47, .hand = "left"});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions skill=pour | first | retried"), "true");
+}
+
+TEST(ExecutingOnNothing, IsUnknown) {
+  const ScratchDirectory scratch;
+  auto memory = Memory::open(scratch.path() / "empty.engram");
+  ASSERT_OK(memory);
+  const auto facts = KnownFacts::read(**memory);
+  ASSERT_OK(facts);
+  for (const char* text :
+       {"executions | count", "executions at=now | events", "executions during=always | exists",
+        "executions at=always | exists", "executions | last | previous | when",
+        "words | last | said", "plans | which=thing", "refusals | exists", "drives | last | reason",
+        "robot | where", "things held=yes | which=thing", "things | count",
+        "things | last_seen | where", "things hand=left | exists", "executions | how_far"})
+    for (const Time now : {Time{}, second(0), Time::min() + std::chrono::hours(48)}) {
+      const auto program = Program::parse(text);
+      ASSERT_OK(program);
+      const auto outcome = execute(*program, **facts, now, DayZone::kUtc);
+      ASSERT_OK(outcome);
+      EXPECT_TRUE(is_unknown(outcome->value)) << text;
+    }
+}
+
 TEST_F(Executing, SaysWhatItLookedFor) {
   EXPECT_EQ(
       outcome_of("executions skill=pick thing=elephant outcome=failure during=yesterday | count")
