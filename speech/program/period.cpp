@@ -216,7 +216,9 @@ std::string spoken_span(Time from, Time to, Time now, DayZone zone) {
       if (text.starts_with(word)) return text.substr(word.size());
     return text;
   };
-  return fmt::format("from {} to {}", without(first), without(last));
+  // Behind another day, a clock time alone would be of that day.
+  const std::string today = last.starts_with("at ") ? "today " : "";
+  return fmt::format("from {} to {}", without(first), today.empty() ? without(last) : today + last);
 }
 
 std::string spoken_duration(double length_s) {

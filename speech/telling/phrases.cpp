@@ -21,7 +21,7 @@ VerbObjects objects_of(const std::optional<ltm::MemoryId>& thing,
                        const std::optional<ltm::MemoryId>& place, const std::string& hand,
                        const KnownWorld& world) {
   return {thing ? printable(world.spoken(*thing)) : std::string(),
-          place ? printable(world.spoken(*place)) : std::string(), printable(hand)};
+          place ? printable(world.spoken(*place)) : std::string(), hand};
 }
 
 std::string phrase(const std::string& skill, std::string_view SkillVerb::*form,
@@ -45,7 +45,7 @@ std::string phrase(const std::string& skill, std::string_view SkillVerb::*form,
     text += " the " + objects.thing;
   }
   if (!is_place_first) text += place;
-  if (!objects.hand.empty()) text += " with my " + objects.hand + " hand";
+  if (!objects.hand.empty()) text += " with " + my_hands({objects.hand});
   return text;
 }
 
@@ -58,6 +58,19 @@ std::string joined(const std::vector<std::string>& parts) {
     text += parts[i];
   }
   return text;
+}
+
+std::string my_hands(const std::vector<std::string>& hands) {
+  std::vector<std::string> words;
+  for (const std::string& hand : hands) words.push_back(printable(words_of_hand(hand)));
+  const bool is_whole = std::any_of(words.begin(), words.end(), [](const std::string& hand) {
+    return hand.find("hand") != std::string::npos || hand.find("gripper") != std::string::npos ||
+           hand.find("arm") != std::string::npos;
+  });
+  return fmt::format("my {}{}", joined(words),
+                     is_whole           ? ""
+                     : words.size() > 1 ? " hands"
+                                        : " hand");
 }
 
 std::string with_article(const std::string& name) {

@@ -12,6 +12,9 @@ namespace engram::speech {
 /// "salt", "salt and tea", "salt, tea and cup".
 [[nodiscard]] std::string joined(const std::vector<std::string>& parts);
 
+/// "my right hand", "my left and right hands"; what is called gripper is "my gripper".
+[[nodiscard]] std::string my_hands(const std::vector<std::string>& hands);
+
 /// "the salt", and "Ada" as it is.
 [[nodiscard]] std::string with_article(const std::string& name);
 

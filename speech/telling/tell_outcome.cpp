@@ -43,6 +43,11 @@ class OutcomeTeller {
   }
 
   std::string operator()(answers::Count answer) const {
+    const ProgramStep* last_step =
+        outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
+    if (last_step != nullptr && last_step->kind == StepKind::kHowMany && answer.value > 0)
+      return sentence(
+          counted(static_cast<size_t>(answer.value), last_step->argument->text.c_str()));
     const std::string times = answer.value == 1   ? "Once"
                               : answer.value == 2 ? "Twice"
                                                   : std::to_string(answer.value);
@@ -94,7 +99,7 @@ class OutcomeTeller {
       return sentence(told_words(outcome_.words.back()));
     const std::string what = last != nullptr && last->argument ? last->argument->text : "";
     if (what == "hand" || (last != nullptr && last->kind == StepKind::kHolder))
-      return sentence(fmt::format("my {} hand", joined(names)));
+      return sentence(my_hands(answer.value));
     if (what == "skill") return sentence(joined(names));
     for (std::string& name : names) name = with_article(name);
     const bool is_place = last != nullptr && (last->kind == StepKind::kWhere ||
@@ -163,7 +168,7 @@ class OutcomeTeller {
     const KnownPlace* place =
         state.spot && state.held_by.empty() ? world_.under(*state.spot) : nullptr;
     std::string where = "was there";
-    if (!state.held_by.empty()) where = fmt::format("was in my {} hand", printable(state.held_by));
+    if (!state.held_by.empty()) where = "was in " + my_hands({state.held_by});
     if (place != nullptr) where = fmt::format("was on the {}", printable(place->spoken));
     return sentence(fmt::format("{} {} {}", when, thing_of(state), where));
   }
@@ -209,6 +214,10 @@ class OutcomeTeller {
       text += fmt::format(", {} failed", failed);
     if (const size_t stopped = outcomes[ltm::ActionOutcome::kStop]; stopped > 0)
       text += fmt::format(", {} {} stopped", stopped, stopped == 1 ? "was" : "were");
+    if (const size_t endless =
+            outcomes[ltm::ActionOutcome::kRunning] + outcomes[ltm::ActionOutcome::kUnknown];
+        endless > 0)
+      text += fmt::format(", of {} no end is known", endless);
     return sentence(std::move(text));
   }
 

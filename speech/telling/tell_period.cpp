@@ -22,6 +22,12 @@ bool is_problem(const Execution& execution) {
          execution.outcome == ltm::ActionOutcome::kStop;
 }
 
+/// No end of it is known: it goes on, or it was lost.
+bool is_endless(const Execution& execution) {
+  return execution.outcome == ltm::ActionOutcome::kRunning ||
+         execution.outcome == ltm::ActionOutcome::kUnknown;
+}
+
 /// What belongs together: the executions of a plan, or those of no plan one after the other.
 struct Chapter {
   const TaskPlan* plan = nullptr;
@@ -54,7 +60,8 @@ std::vector<Chapter> chapters_of(const FactsAsOf& facts, Period period) {
     }
     if (chapter == chapters.size()) chapters.emplace_back();
     chapters[chapter].executions.push_back(&execution);
-    if (is_problem(execution)) chapters[chapter].problems.push_back(&execution);
+    if (is_problem(execution) || is_endless(execution))
+      chapters[chapter].problems.push_back(&execution);
     if (execution.plan) chapters[chapter].plan = facts.plan_at(*execution.plan);
   }
   return chapters;
@@ -134,27 +141,31 @@ NarrationSentence told_whole(const std::vector<Chapter>& chapters, Time now, Day
   size_t executions = 0;
   size_t failed = 0;
   size_t stopped = 0;
+  size_t endless = 0;
   size_t plans = 0;
   const Execution* first = chapters.front().executions.front();
   const Execution* last = first;
+  Time end = first->started;
   for (const Chapter& chapter : chapters) {
     executions += chapter.executions.size();
     if (chapter.plan != nullptr) ++plans;
     for (const Execution* execution : chapter.executions) {
       if (execution->started > last->started) last = execution;
+      end = std::max(end, execution->ended.value_or(execution->started));
       if (execution->outcome == ltm::ActionOutcome::kFailure) ++failed;
       if (execution->outcome == ltm::ActionOutcome::kStop) ++stopped;
+      if (is_endless(*execution)) ++endless;
     }
   }
-  std::string text =
-      fmt::format("{} I carried out {}",
-                  spoken_span(first->started, last->ended.value_or(last->started), now, zone),
-                  count_of(executions, "action"));
+  std::string text = fmt::format("{} I carried out {}", spoken_span(first->started, end, now, zone),
+                                 count_of(executions, "action"));
   if (plans > 0) text += " for " + count_of(plans, "task");
-  if (failed > 0) text += fmt::format("; {} failed", failed);
+  std::vector<std::string> parts;
+  if (failed > 0) parts.push_back(fmt::format("{} failed", failed));
   if (stopped > 0)
-    text += fmt::format("{} {} {} stopped", failed > 0 ? " and" : ";", stopped,
-                        stopped == 1 ? "was" : "were");
+    parts.push_back(fmt::format("{} {} stopped", stopped, stopped == 1 ? "was" : "were"));
+  if (endless > 0) parts.push_back(fmt::format("of {} no end is known", endless));
+  if (!parts.empty()) text += "; " + joined(parts);
   told.text = sentence(std::move(text));
   link(told, first->start_id);
   link(told, last->start_id);

@@ -73,6 +73,8 @@ TEST(Period, IsSpokenByTheDay) {
     return spoken_span(*parse_time(from), *parse_time(to), kNow, DayZone::kUtc);
   };
   EXPECT_EQ(span("2026-01-08 08:05:12", "2026-01-08 09:00"), "from 08:05:12 to 09:00:00");
+  EXPECT_EQ(span("2026-01-01 08:05:12", "2026-01-08 09:00"),
+            "from 2026-01-01 at 08:05:12 to today at 09:00:00");
   EXPECT_EQ(span("2026-01-07 08:05:12", "2026-01-07 09:00"), "yesterday from 08:05:12 to 09:00:00");
   EXPECT_EQ(span("2026-01-01 08:05:12", "2026-01-01 09:00"),
             "on 2026-01-01 from 08:05:12 to 09:00:00");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "speech/program/execute.h"
+#include "speech/telling/phrases.h"
 #include "speech/telling/tell_outcome.h"
 #include "speech/telling/tell_period.h"
 #include "tests/ltm/expect_status.h"
@@ -69,6 +70,34 @@ TEST_F(Telling, SaysEachKindOfValue) {
             "No. I remember no executions of pick of the red cup.");
 }
 
+TEST_F(Telling, NamesHandsAsTheyAre) {
+  EXPECT_EQ(my_hands({"right"}), "my right hand");
+  EXPECT_EQ(my_hands({"left", "Right_Hand"}), "my left and right hands");
+  EXPECT_EQ(my_hands({"gripper"}), "my gripper");
+  kitchen_.see(58, "tea_box_1", 0, 0, 1, true, "Left_Hand");
+  EXPECT_EQ(told("things held=yes hand=left at=08:00:59 | which=thing"), "The tea.");
+  EXPECT_EQ(told("things thing=tea at=08:00:59 | holder"), "My left hand.");
+}
+
+TEST_F(Telling, CountsDifferentThings) {
+  EXPECT_EQ(told("executions | how_many=thing"), "2 things.");
+  EXPECT_EQ(told("executions skill=place | how_many=hand"), "1 hand.");
+}
+
+TEST_F(Telling, TellsTheWholeTimeOfWhatRunsInParallel) {
+  kitchen_.execute({.skill = "wipe", .from = 1, .to = 20, .day = 3});
+  kitchen_.execute({.skill = "look", .from = 2, .to = 3, .day = 3});
+  kitchen_.execute({.skill = "pour", .from = 4, .to = 30, .outcome = 4, .day = 3});
+  ASSERT_OK(facts_->refresh());
+  const auto narration =
+      tell_period(*facts_, {second(0, 3), second(60, 3)}, second(60, 3), DayZone::kUtc);
+  ASSERT_OK(narration);
+  ASSERT_THAT(*narration, SizeIs(3));
+  EXPECT_EQ((*narration)[0].text,
+            "From 08:00:01 to 08:00:30 I carried out 3 actions; of 1 no end is known.");
+  EXPECT_EQ((*narration)[2].text, "At 08:00:04 I began to pour, and nobody knows how it ended.");
+}
+
 TEST_F(Telling, SaysThatThereWasNothing) {
   EXPECT_EQ(told("executions at=now | events"), "I was doing nothing.");
   EXPECT_EQ(told("executions skill=place place=counter | events"),
@@ -114,8 +143,12 @@ TEST_F(Telling, TellsATimeByPlansWithWhatFailed) {
 TEST_F(Telling, TellsNothingThatCameLater) {
   const auto narration = tell_period(*facts_, {second(0), second(60)}, second(7.9), DayZone::kUtc);
   ASSERT_OK(narration);
-  ASSERT_THAT(*narration, SizeIs(2));
-  EXPECT_EQ((*narration)[0].text, "From 08:00:01 to 08:00:04 I carried out 3 actions for 1 task.");
+  ASSERT_THAT(*narration, SizeIs(3));
+  EXPECT_EQ((*narration)[0].text,
+            "From 08:00:01 to 08:00:04 I carried out 3 actions for 1 task; of 1 no end is known.");
+  EXPECT_EQ((*narration)[2].text,
+            "At 08:00:04 I began to pick up the salt from the counter with my right hand, and no "
+            "end is known.");
   for (const NarrationSentence& one : *narration)
     for (const ltm::MemoryId& id : one.links) EXPECT_LE(*id.time(), second(7.9));
 }
