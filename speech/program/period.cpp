@@ -118,25 +118,37 @@ std::optional<std::pair<Duration, Duration>> clock_time(std::string_view text) {
   return std::pair{since + std::chrono::seconds(*second) + fraction, Duration(0)};
 }
 
-std::optional<Period> part_of_day(std::string_view text, Period day) {
+/// When a wall shows so long after midnight; on a day of 23 or 25 hours that is not so long later.
+Time clock_of_day(Time midnight, Duration since, DayZone zone) {
+  const auto minutes = std::chrono::floor<std::chrono::minutes>(since);
+  std::tm fields = wall_of(midnight, zone).fields;
+  fields.tm_hour = 0;
+  fields.tm_min = static_cast<int>(minutes.count());
+  fields.tm_sec = 0;
+  return time_of_wall(fields, zone) + (since - minutes);
+}
+
+std::optional<Period> part_of_day(std::string_view text, Period day, DayZone zone) {
   const auto hours_of = [&](int from, int to) {
-    return Period{day.from + std::chrono::hours(from),
-                  day.from + std::chrono::hours(to) - kInstant};
+    return Period{clock_of_day(day.from, std::chrono::hours(from), zone),
+                  clock_of_day(day.from, std::chrono::hours(to), zone) - kInstant};
   };
   if (text == "morning") return hours_of(0, 12);
   if (text == "noon") return hours_of(11, 14);
   if (text == "afternoon") return hours_of(12, 18);
   if (text == "evening") return hours_of(17, 24);
   if (text == "night") return hours_of(20, 30);
-  if (const auto clock = clock_time(text))
-    return Period{day.from + clock->first, day.from + clock->first + clock->second};
+  if (const auto clock = clock_time(text)) {
+    const Time from = clock_of_day(day.from, clock->first, zone);
+    return Period{from, from + clock->second};
+  }
   return {};
 }
 
 /// What is in the future is no time that a memory was told of, so it is a day before.
 std::optional<Period> clock_before(std::string_view text, Time now, DayZone zone) {
-  auto found = part_of_day(text, whole_day(now, 0, zone));
-  if (found && found->from > now) found = part_of_day(text, whole_day(now, -1, zone));
+  auto found = part_of_day(text, whole_day(now, 0, zone), zone);
+  if (found && found->from > now) found = part_of_day(text, whole_day(now, -1, zone), zone);
   return found;
 }
 
@@ -156,7 +168,7 @@ std::optional<Period> single_period(std::string_view text, Time now, DayZone zon
   if (const auto clock = clock_before(text, now, zone)) return clock;
   if (const size_t slash = text.find('/'); slash != std::string_view::npos) {
     const auto day = named_day(text.substr(0, slash), now, zone);
-    return day ? part_of_day(text.substr(slash + 1), *day) : std::nullopt;
+    return day ? part_of_day(text.substr(slash + 1), *day, zone) : std::nullopt;
   }
   const auto time = parse_time(text);
   return time.ok() ? std::optional(Period{*time, *time}) : std::nullopt;
@@ -186,7 +198,7 @@ Result<Period> resolve_period(std::string_view text, Time now, DayZone zone) {
   if (!from || !to) return wrong();
   // At 8:30, "from 8:00 to 9:00" ends today, though 9:00 alone would be yesterday's.
   if (to->to < from->from && clock_time(text.substr(dots + 2)))
-    to = part_of_day(text.substr(dots + 2), whole_day(from->from, 0, zone));
+    to = part_of_day(text.substr(dots + 2), whole_day(from->from, 0, zone), zone);
   if (to->to < from->from)
     return invalid_argument("'{}' ends before it begins", printable(text.substr(0, 60)));
   return Period{from->from, to->to};

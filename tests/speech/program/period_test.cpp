@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <optional>
+
 #include "tests/ltm/expect_status.h"
 
 namespace engram::speech {
@@ -43,6 +46,27 @@ TEST(Period, OfClockTimesIsTheLastOneThatWas) {
   EXPECT_EQ(period_text("10:30..now-60m"), "2026-01-07 10:30:00.000000 2026-01-08 09:20:30.000000");
   EXPECT_EQ(period_text("08:05..08:10"),
             "2026-01-08 08:05:00.000000 2026-01-08 08:10:59.999999999");
+}
+
+TEST(Period, IsThatOfTheWallOnDaysOfOtherLengths) {
+  const char* before = std::getenv("TZ");
+  const std::optional<std::string> kept =
+      before == nullptr ? std::nullopt : std::optional<std::string>(before);
+  ::setenv("TZ", "CET-1CEST,M3.5.0,M10.5.0/3", 1);
+  ::tzset();
+  // On this day 2:00 is followed by 3:00, so it is 7:00 in UTC when a wall shows 9:00.
+  const Time now = *parse_time("2026-03-29 20:00:00");
+  const auto nine = resolve_period("today/09:00", now, DayZone::kLocal);
+  const auto afternoon = resolve_period("today/afternoon", now, DayZone::kLocal);
+  if (kept)
+    ::setenv("TZ", kept->c_str(), 1);
+  else
+    ::unsetenv("TZ");
+  ::tzset();
+  ASSERT_OK(nine);
+  EXPECT_EQ(to_string(nine->from), "2026-03-29 07:00:00.000000");
+  ASSERT_OK(afternoon);
+  EXPECT_EQ(to_string(afternoon->from), "2026-03-29 10:00:00.000000");
 }
 
 TEST(Period, CountsFromNow) {
