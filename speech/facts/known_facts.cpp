@@ -105,6 +105,16 @@ Result<idf::Data> KnownFacts::value_at(const ltm::MemoryId& id) {
 }
 
 Result<std::vector<KnownFacts::Cause>> KnownFacts::causes_of(const Execution& execution) {
+  const auto known = cause_lists_.find(execution.start_id);
+  if (known != cause_lists_.end()) return known->second;
+  ENGRAM_ASSIGN_OR_RETURN(std::vector<Cause> causes, read_causes(execution));
+  // What is past does not change, but what is running may be told of further.
+  if (cause_lists_.size() >= kMaxCauseLists) cause_lists_.clear();
+  if (execution.ended && !causes.empty()) cause_lists_[execution.start_id] = causes;
+  return causes;
+}
+
+Result<std::vector<KnownFacts::Cause>> KnownFacts::read_causes(const Execution& execution) {
   std::vector<Cause> causes;
   std::set<ltm::MemoryId> seen{execution.start_id};
   // The request names its cause, and an event may name the plan besides.

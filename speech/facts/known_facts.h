@@ -76,6 +76,8 @@ class KnownFacts {
     std::string says;
     std::string speaker;  ///< Of words.
   };
+  ///
+  /// Complexity: a query per link, once per execution.
   Result<std::vector<Cause>> causes_of(const Execution& execution);
 
   /// How a thing was at `time`, by its last snapshot up to then; nothing where there is none.
@@ -104,10 +106,14 @@ class KnownFacts {
  private:
   explicit KnownFacts(std::unique_ptr<FactsReader> reader);
 
+  Result<std::vector<Cause>> read_causes(const Execution& execution);
+
   static constexpr size_t kMaxWays = 10'000;
+  static constexpr size_t kMaxCauseLists = 20'000;
 
   std::unique_ptr<FactsReader> reader_;
-  std::map<std::pair<Time, Time>, Way> ways_;  ///< That were asked for.
+  std::map<std::pair<Time, Time>, Way> ways_;                ///< That were asked for.
+  std::map<ltm::MemoryId, std::vector<Cause>> cause_lists_;  ///< By the start of the execution.
 };
 
 }  // namespace engram::speech
