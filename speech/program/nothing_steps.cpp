@@ -116,9 +116,18 @@ Status ProgramRun::show_no_thing(const RecordFilter& filter) {
     ENGRAM_ASSIGN_OR_RETURN(const auto records, records_of(period));
     if (records.empty()) looked_at_.clear();
   }
+  const auto has_top = [this](const ltm::MemoryId& entity) {
+    const KnownPlace* place = facts_.world().place(entity);
+    return place != nullptr && place->spot && place->depth_m > 0;
+  };
+  if (!std::all_of(filter.places().begin(), filter.places().end(), has_top))
+    miss("it is not told how far that place reaches");
+  if (is_place_untold_) miss("it is not told where it was");
   for (const ThingState& state : looked_at_)
     if (outcome_.evidence.size() < kMaxThings) outcome_.cite(state.id, kRole);
   if (looked_at_.empty()) miss("the memory has no record of that time");
+  // Of the thing that is asked about it is told where it was instead.
+  if (filter.has_things()) outcome_.states = looked_at_;
   return {};
 }
 

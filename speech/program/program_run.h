@@ -88,6 +88,7 @@ class ProgramRun {
   std::vector<DriveNote> drives_;
   std::optional<RobotState> robot_;
   std::vector<ThingState> looked_at_;  ///< Among which the filters chose.
+  bool is_place_untold_ = false;       ///< Of one of them.
 };
 
 }  // namespace engram::speech

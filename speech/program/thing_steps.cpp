@@ -59,6 +59,9 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
     if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
     if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, at)) continue;
     if (!filter.hand().empty() && state.held_by != filter.hand()) continue;
+    // Neither on a place nor in a hand: it is not told where it is.
+    is_place_untold_ = is_place_untold_ || (filter.has_things() && filter.has_places() &&
+                                            !state.spot && state.held_by.empty());
     if (filter.has_places()) {
       const KnownPlace* place =
           state.spot && state.held_by.empty() ? world.under(*state.spot) : nullptr;
@@ -171,6 +174,14 @@ void ProgramRun::tell_is_at(StepKind kind, const RecordFilter& filter) {
   const KnownPlace* place = facts_.world().beside(robot_->spot, kAtPlace_m);
   const bool is_there =
       filter.has_places() ? place != nullptr && is_among(filter.places(), place->entity) : true;
+  const auto is_somewhere = [this](const ltm::MemoryId& entity) {
+    const KnownPlace* named = facts_.world().place(entity);
+    return named != nullptr && named->spot.has_value();
+  };
+  if (!is_there && !std::all_of(filter.places().begin(), filter.places().end(), is_somewhere)) {
+    miss("it is not told where that place is");
+    return;
+  }
   outcome_.cite(robot_->id, "robot");
   if (place != nullptr) outcome_.cite(place->evidence, "place");
   if (kind == StepKind::kCount)

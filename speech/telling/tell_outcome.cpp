@@ -33,6 +33,9 @@ class OutcomeTeller {
   std::string operator()(answers::YesNo answer) const {
     const std::string word = answer.value ? "Yes" : "No";
     if (!outcome_.steps.empty()) return fmt::format("{}. {}", word, told_steps());
+    if (outcome_.executions.empty() && outcome_.states.empty() && answer.value &&
+        !outcome_.words.empty())
+      return fmt::format("{}. {}", word, sentence(told_words(outcome_.words.back())));
     if (outcome_.executions.empty() && outcome_.states.empty()) {
       const bool is_search = outcome_.program.has_step(StepKind::kExists);
       return is_search && !answer.value ? fmt::format("No. I remember no {}.", outcome_.looked_for)

@@ -361,6 +361,30 @@ TEST_F(Executing, KnowsNothingOfAnyNameThatNothingHas) {
   EXPECT_EQ(value_of("executions hand=\"right hand\" | count"), "3");
 }
 
+TEST_F(Executing, KnowsNothingOfPlacesWithoutAnExtent) {
+  // The pantry has a name and nothing else, and where the oil is nobody tells.
+  const auto commit = [&](const char* entity, idf::Dict value) {
+    ASSERT_OK(kitchen_.memory().commit(
+        {{{*ltm::MemoryId::parse(entity), second(1), {{idf::Data(std::move(value)), {}}}}}}));
+  };
+  commit("Navigation/Locations/kitchen/pantry", {{"name", "pantry"}, {"aliases", idf::List{}}});
+  commit("Objects/Instances/kitchen/oil_bottle_1",
+         {{"object_class", "Objects/Classes/kitchen/oil_bottle/2026-01-01 08:00:00/0"},
+          {"pose_world_object", "nowhere"},
+          {"is_visible", true},
+          {"held_by", ""}});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("things place=pantry | which=thing"),
+            "unknown: it is not told how far that place reaches");
+  EXPECT_EQ(value_of("things thing=salt place=pantry | exists"),
+            "unknown: it is not told how far that place reaches");
+  EXPECT_EQ(value_of("things thing=oil place=table | exists"),
+            "unknown: it is not told where it was");
+  EXPECT_EQ(value_of("things thing=oil | where"), "unknown: it was at no place that has a name");
+  EXPECT_EQ(value_of("robot place=pantry | exists"), "unknown: it is not told where that place is");
+  EXPECT_EQ(value_of("things place=counter | which=thing"), R"(["tea"])");
+}
+
 TEST_F(Executing, FindsWordsWithinTheSecondOfAClock) {
   kitchen_.say(40.3, "Ada", "Thank you.");
   ASSERT_OK(facts_->refresh());

@@ -66,6 +66,9 @@ TEST_F(Telling, SaysEachKindOfValue) {
             "By my plan I would have gone on to drive to the table for the tea and place the tea "
             "on the table.");
   EXPECT_THAT(told("executions skill=pick thing=salt | count"), HasSubstr("Twice. At 08:00:04 I"));
+  EXPECT_EQ(told("things thing=salt place=counter | exists"),
+            "No. At 08:01:00 the salt was on the table.");
+  EXPECT_EQ(told("words speaker=ada | exists"), "Yes. Ada said: \"I need the salt on the table.\"");
   EXPECT_EQ(told("executions skill=pick thing=\"red cup\" | exists"),
             "No. I remember no executions of pick of the red cup.");
 }
