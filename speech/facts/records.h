@@ -35,6 +35,12 @@ struct Execution {
   /// No end is known, but it was over by then: the same was begun again with the same hand.
   std::optional<Time> over_by;
 
+  /// Whether it may have gone on at some time from `from` to `to`. What ends at a moment does not
+  /// go on at it, so that of two that follow each other only one does.
+  [[nodiscard]] bool is_within(Time from, Time to) const {
+    return started <= to && (latest_end() > from || started == from);
+  }
+
   /// Up to when it may have gone on.
   [[nodiscard]] Time latest_end() const { return ended ? *ended : over_by.value_or(Time::max()); }
 };

@@ -167,7 +167,7 @@ void ProgramRun::cite_around(Period period) {
       after = execution;
       break;
     }
-    if (execution->latest_end() >= period.from)
+    if (execution->is_within(period.from, period.to))
       outcome_.cite(execution->start_id, kRole);
     else if (before == nullptr || before->latest_end() <= execution->latest_end())
       before = execution;

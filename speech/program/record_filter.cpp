@@ -230,7 +230,7 @@ Result<bool> RecordFilter::keeps(const Execution& execution) {
       !has_outcome(execution) || !has_text(execution.reason))
     return false;
   if (!hand_.empty() && execution.hand != hand_) return false;
-  if (at_ && (execution.started > at_->to || execution.latest_end() < at_->from)) return false;
+  if (at_ && !execution.is_within(at_->from, at_->to)) return false;
   if (speakers_.empty()) return true;
   ENGRAM_ASSIGN_OR_RETURN(const std::string speaker, speaker_of(*facts_, execution));
   return is_speaker(speaker);

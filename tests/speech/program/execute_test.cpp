@@ -393,6 +393,13 @@ TEST_F(Executing, FindsWordsWithinTheSecondOfAClock) {
   EXPECT_EQ(value_of("words at=08:00:41 | exists"), "false");
 }
 
+TEST_F(Executing, TellsOneOfTwoThatFollowEachOther) {
+  EXPECT_EQ(value_of("executions at=08:00:16 | which=skill"), R"(["place"])");
+  EXPECT_EQ(value_of("executions at=08:00:19 | events"), "[]");
+  now_ = second(36.5);
+  EXPECT_EQ(value_of("executions at=now | events"), "[]");
+}
+
 TEST_F(Executing, TellsTwoExecutionsThatRunInParallel) {
   kitchen_.execute({.skill = "wipe", .from = 40, .to = 50, .hand = "left"});
   kitchen_.execute({.skill = "pour", .from = 40, .to = 45, .outcome = 2, .hand = "right"});
