@@ -31,7 +31,10 @@ std::string phrase(const std::string& skill, std::string_view SkillVerb::*form,
   if (verb != nullptr)
     text = verb->*form;
   else
-    text = (form == &SkillVerb::base ? "execute " : "executed ") + printable(words_of_name(skill));
+    text = (form == &SkillVerb::base     ? "execute "
+            : form == &SkillVerb::gerund ? "executing "
+                                         : "executed ") +
+           printable(words_of_name(skill));
   // Who drives to a place for something says first where to.
   const bool is_place_first = verb != nullptr && verb->to == "to";
   const std::string place =
@@ -85,6 +88,11 @@ std::string past_phrase(const Execution& execution, const KnownWorld& world) {
 
 std::string base_phrase(const Execution& execution, const KnownWorld& world) {
   return phrase(execution.skill, &SkillVerb::base,
+                objects_of(execution.thing, execution.place, execution.hand, world));
+}
+
+std::string gerund_phrase(const Execution& execution, const KnownWorld& world) {
+  return phrase(execution.skill, &SkillVerb::gerund,
                 objects_of(execution.thing, execution.place, execution.hand, world));
 }
 

@@ -22,6 +22,8 @@ namespace engram::speech {
 [[nodiscard]] std::string past_phrase(const Execution& execution, const KnownWorld& world);
 /// "pick up the salt from the counter with my right hand".
 [[nodiscard]] std::string base_phrase(const Execution& execution, const KnownWorld& world);
+/// "picking up the salt from the counter with my right hand".
+[[nodiscard]] std::string gerund_phrase(const Execution& execution, const KnownWorld& world);
 /// The same of a step that was planned: "place the salt on the table".
 [[nodiscard]] std::string base_phrase(const PlannedStep& step, const KnownWorld& world);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/telling/tell_outcome.h"
 
+#include <algorithm>
 #include <map>
 
 #include "ltm/core/printable.h"
@@ -50,7 +51,8 @@ class OutcomeTeller {
         outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
     if (last_step != nullptr && last_step->kind == StepKind::kHowMany && answer.value > 0)
       return sentence(
-          counted(static_cast<size_t>(answer.value), last_step->argument->text.c_str()));
+                 counted(static_cast<size_t>(answer.value), last_step->argument->text.c_str())) +
+             (outcome_.executions.empty() ? "" : " " + told_executions());
     const std::string times = answer.value == 1   ? "Once"
                               : answer.value == 2 ? "Twice"
                                                   : std::to_string(answer.value);
@@ -113,7 +115,7 @@ class OutcomeTeller {
   }
 
   std::string operator()(const answers::Events& answer) const {
-    if (!answer.value.empty()) return told_executions();
+    if (!answer.value.empty()) return is_of_now() ? told_present() : told_executions();
     if (outcome_.program.find(FilterKey::kAt) != nullptr && outcome_.program.filters.size() == 1)
       return "I was doing nothing.";
     return fmt::format("Nothing. I remember no {}.", outcome_.looked_for);
@@ -140,6 +142,27 @@ class OutcomeTeller {
 
   [[nodiscard]] std::string thing_of(const ThingState& state) const {
     return "the " + printable(world_.spoken(state.id.entity()));
+  }
+
+  /// Whether the question is what goes on at its moment.
+  [[nodiscard]] bool is_of_now() const {
+    const Argument* at = outcome_.program.find(FilterKey::kAt);
+    return at != nullptr && at->text == "now" &&
+           std::all_of(outcome_.executions.begin(), outcome_.executions.end(),
+                       [](const Execution& one) { return !one.ended; });
+  }
+
+  [[nodiscard]] std::string told_present() const {
+    std::vector<std::string> doing;
+    for (const Execution& one : outcome_.executions) doing.push_back(gerund_phrase(one, world_));
+    return sentence(fmt::format("since {} I am {}", clock_of(outcome_.executions.front().started),
+                                joined(doing)));
+  }
+
+  /// "08:05:12", "yesterday at 08:05:12".
+  [[nodiscard]] std::string clock_of(Time time) const {
+    const std::string when = spoken_time(time, outcome_.now, zone_);
+    return when.starts_with("at ") ? when.substr(3) : when;
   }
 
   /// That no thing, place or skill is the answer, and when that was seen, unless just now.

@@ -82,9 +82,19 @@ TEST_F(Telling, NamesHandsAsTheyAre) {
   EXPECT_EQ(told("things thing=tea at=08:00:59 | holder"), "My left hand.");
 }
 
+TEST_F(Telling, TellsWhatGoesOn) {
+  EXPECT_EQ(told("executions at=now | events", second(7)),
+            "Since 08:00:04 I am picking up the salt from the counter with my right hand.");
+  EXPECT_EQ(told("executions at=08:00:07 | events"),
+            "At 08:00:04 I tried to pick up the salt from the counter with my right hand, but "
+            "failed: the hand closed 0.070 m away from its grasp.");
+}
+
 TEST_F(Telling, CountsDifferentThings) {
-  EXPECT_EQ(told("executions | how_many=thing"), "2 things.");
-  EXPECT_EQ(told("executions skill=place | how_many=hand"), "1 hand.");
+  EXPECT_EQ(told("executions skill=pick,place speaker=ada outcome=success | how_many=thing"),
+            "1 thing. At 08:00:09 I picked up the salt from the counter with my right hand. At "
+            "08:00:16 I placed the salt on the table with my right hand.");
+  EXPECT_EQ(told("plans | how_many=thing"), "2 things.");
 }
 
 TEST_F(Telling, TellsTheWholeTimeOfWhatRunsInParallel) {
