@@ -37,7 +37,9 @@ constexpr std::string_view kGrammarLemmas =
     "about tell story longest shortest quickest slowest fastest compare same both either still "
     "except besides behind summer winter spring autumn year month "
     "already yet away word sentence instruction person come travel arrive reach stay located sit "
-    "lie lay possess current empty full free attempt try change";
+    "lie lay possess current empty full free attempt try change receive continue achievement "
+    "success "
+    "destination called number each continue detect appear";
 
 constexpr std::string_view kFillers =
     "a an the my your our his her their its i me we us mine yours ours please kindly thanks thank "
@@ -73,7 +75,13 @@ constexpr std::string_view kFillers =
     "previous current hold on wait listen look back "
     "january february march april may june july august september october november december "
     "monday tuesday wednesday thursday friday saturday sunday noon midnight between until till "
-    "pm tomorrow sudden suddenly pls plz";
+    "pm tomorrow sudden suddenly pls plz "
+    "ways process case cases line world matter bit hitch single effort efforts others aside "
+    "instant "
+    "boss mischief doings unique various occasion occasions freshest string path route ground "
+    "stretch "
+    "length whole hope hoping present name named form sense order sequence detail account list "
+    "source target argument id entire turn dear sweetheart understand understood thou didst";
 
 const std::set<std::string>& words_of_list(std::string_view list, std::set<std::string>& words) {
   while (!list.empty()) {

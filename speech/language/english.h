@@ -22,18 +22,15 @@ namespace engram::speech {
 [[nodiscard]] const std::set<std::string>& english_spellings();
 
 /// Takes polite and roundabout beginnings off: "Could you please tell me", "I would like to know".
-/// Returns whether there was one that makes a question of what follows.
+/// Where whether something is so was asked for, "whether" stays in their place: "Please confirm
+/// that". Returns whether there was one that makes a question of what follows.
 bool take_politeness(std::vector<QuestionWord>& words);
 
-/// The words of a phrase, which are split by spaces.
-[[nodiscard]] std::vector<std::string_view> parts_of_phrase(std::string_view phrase);
+/// Takes off what makes a question of a statement: "You picked it up, didn't you?", "Is that so?",
+/// "yes or no?". "Whether" is put before the statement.
+void take_question_tags(std::vector<QuestionWord>& words);
 
-/// Whether these words begin at `at`.
-[[nodiscard]] bool is_phrase_at(const std::vector<QuestionWord>& words, size_t at,
-                                const std::vector<std::string_view>& phrase);
-
-/// Puts one word where people use several: "how come" is why, "what time" is when, "how many times"
-/// is how often.
-void replace_phrases(std::vector<QuestionWord>& words);
+/// Takes off how somebody calls whom he talks to: "my dear", "sweetheart".
+void take_endearments(std::vector<QuestionWord>& words);
 
 }  // namespace engram::speech

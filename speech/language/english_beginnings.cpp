@@ -1,144 +1,146 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "speech/language/english.h"
+#include "speech/language/word_pattern.h"
 
 namespace engram::speech {
 
 namespace {
 
-/// Roundabout beginnings. What ends with '?' makes a question of what follows.
-constexpr std::string_view kPoliteBeginnings[] = {"would you be so kind as to tell me",
-                                                  "could you be so kind as to tell me",
-                                                  "be so kind as to tell me",
-                                                  "would you be so kind and tell me",
-                                                  "please give me",
-                                                  "could you give me",
-                                                  "can you give me",
-                                                  "give me",
-                                                  "can you confirm that",
-                                                  "could you confirm that",
-                                                  "can you confirm",
-                                                  "is it true that",
-                                                  "is it right that",
-                                                  "is it correct that",
-                                                  "is it the case that",
-                                                  "am i right that",
-                                                  "can you show me",
-                                                  "can you let me know",
-                                                  "could you let me know",
-                                                  "do you have any idea",
-                                                  "have you any idea",
-                                                  "would you know",
-                                                  "would you say",
-                                                  "could you please tell me",
-                                                  "can you please tell me",
-                                                  "would you please tell me",
-                                                  "could you kindly tell me",
-                                                  "could you tell me please",
-                                                  "can you tell me please",
-                                                  "would you mind telling me",
-                                                  "do you happen to know",
-                                                  "do you happen to remember",
-                                                  "could you tell me",
-                                                  "can you tell me",
-                                                  "would you tell me",
-                                                  "will you tell me",
-                                                  "could you tell us",
-                                                  "can you tell us",
-                                                  "could you say",
-                                                  "can you say",
-                                                  "can you explain",
-                                                  "could you explain",
-                                                  "can you remember",
-                                                  "could you remember",
-                                                  "can you recall",
-                                                  "could you recall",
-                                                  "can you remind me",
-                                                  "could you remind me",
-                                                  "please remind me",
-                                                  "remind me",
-                                                  "do you remember",
-                                                  "do you recall",
-                                                  "do you know",
-                                                  "do you still know",
-                                                  "do you still remember",
-                                                  "i would like to know",
-                                                  "i did like to know",
-                                                  "i want to know",
-                                                  "i wanted to know",
-                                                  "i need to know",
-                                                  "i should like to know",
-                                                  "i wonder",
-                                                  "i am wondering",
-                                                  "i was wondering",
-                                                  "i am curious",
-                                                  "i am interested in",
-                                                  "please tell me",
-                                                  "pls tell me",
-                                                  "tell me please",
-                                                  "please let me know",
-                                                  "let me know",
-                                                  "please say",
-                                                  "please explain",
-                                                  "explain to me",
-                                                  "explain",
-                                                  "tell me again",
-                                                  "tell me",
-                                                  "tell us",
-                                                  "show me",
-                                                  "any idea",
-                                                  "any clue",
-                                                  "have you a clue",
-                                                  "do you have a clue",
-                                                  "have you any clue",
-                                                  "no idea",
-                                                  "say",
-                                                  "may i ask",
-                                                  "can i ask"};
-
-/// What somebody does not know is asked for where a question word follows: "I forgot who".
-constexpr std::string_view kIgnorantBeginnings[] = {
-    "i can not remember", "i do not remember", "i can not recall", "i do not recall",
-    "i do not know",      "i forgot",          "i have forgotten", "i did not see",
-    "i did not notice",   "i did not catch",   "i am not sure",    "i have no idea",
+/// Roundabout beginnings.
+constexpr std::string_view kBeginnings[] = {
+    "please|kindly|just? tell|show|remind|inform|give me|us please|again|once|quickly|of?",
+    "please|kindly? can|could|would|will|might you "
+    "please|kindly|perhaps|possibly|maybe|just|still? "
+    "tell|show|remind|inform|give me|us please|again|once|of?",
+    "can|could|would|will you please|kindly|perhaps|possibly|just|still|ever? "
+    "say|state|report|explain|remember|recall|think|know please|kindly?",
+    "would|could you be so kind|good as|and to? tell me|us",
+    "would|do you mind telling|showing|explaining me|us? to? me|us?",
+    "be so kind|good as|and to? tell me|us",
+    "if you do not mind",
+    "if i may ask",
+    "if you please",
+    "can|could|will|would you please? let me|us know",
+    "please|just|so? let me|us know|have|see|hear",
+    "do|can|would|might you happen to? know|remember|recall|say",
+    "do|would|can you still|even|perhaps? know|recall|say|remember",
+    "have|has you any|some|an|a idea|clue|notion",
+    "do you have any|some|an|a idea|clue|notion",
+    "any|some idea|clue|notion of|about?",
+    "no idea",
+    "got any|an|a idea|clue",
+    "i would|did|should|will really|also|just|so|very|now|only? much? "
+    "like|love|want|care|wish|need|be|prefer glad|interested|happy|curious|pleased? "
+    "to|in please|also|just? know|hear|learn|see|have|understand|find|get|ask|knowing|hearing|"
+    "learning out|about|from|of? you?",
+    "i want|wanted|need|wish|long to please|also|just? know|hear|learn|see|understand|find|ask "
+    "out|about|from|of? you?",
+    "i would|did like|love|need",
+    "i need",
+    "i am also|really|just|rather|very? curious|interested|wondering|asking|after to|in|about? "
+    "know|hear|learn|knowing|hearing|learning?",
+    "i was just? wondering|curious|asking about?",
+    "i wonder|ask",
+    "i ask|am|was asking? myself",
+    "my question is",
+    "the question is",
+    "what i need|want|would|wish|did like? to know|hear|learn is",
+    "please|pls|kindly|do say|state|report|indicate|remember|recall|return|print",
+    "say|state|indicate|recall|return",
+    "get|look|check me|us? up",
+    "may|might|can|could i|we ask|know|hear|learn please?",
+    "i hear|heard that",
+    "for|in my|the record|records|log|information|protocol",
 };
 
-bool is_question_word(std::string_view word) {
-  return word == "who" || word == "whom" || word == "what" || word == "which" || word == "where" ||
-         word == "when" || word == "why" || word == "how" || word == "whether" || word == "if";
+/// What somebody does not know, or wants to be explained, is asked for where a question word
+/// follows: "I forgot who", "explain why".
+constexpr std::string_view kBeforeQuestionWords[] = {
+    "i can|could|do|did|shall not|never|hardly? quite|really|even|exactly|fully? "
+    "remember|recall|know|see|notice|catch|hear|understand|get|tell|say|think|find",
+    "i seem to? have? forgotten",
+    "i have? forgot|forget|forgotten",
+    "i have no|not idea|clue|notion",
+    "i am|was not|un quite? sure|certain|clear|unsure",
+    "i am trying to find|work|figure|understand|learn|remember out?",
+    "i would like|love to",
+    "it is|was not clear|known to? me?",
+    "please|kindly? explain|describe to? me|us?",
+    "please|kindly? tell|say|get|give|find|look|log|show|output|check|think|hear|know out|up|me?",
+    "i think|hear|see",
+};
+
+/// What asks whether something is so.
+constexpr std::string_view kWhetherBeginnings[] = {
+    "please|kindly|just? can|could|would|will? you? please|kindly|just? "
+    "confirm|verify|check|advise|state|say|tell|clarify|see|know for? me|us? if|whether|that",
+    "please|kindly? can|could|would|will? you? please|kindly? confirm|verify",
+    "is|was it then|really|indeed? true|right|correct|so|fact|possible|the case|fact? that",
+    "am i right|correct|mistaken in? thinking|assuming|believing? that",
+    "is there any|some truth in",
+    "i believe|think|guess|suppose|assume|suspect|hope|fear that",
+    "can i|we tell|assume|say that? my? boss|wife|husband|family|mother? that",
+};
+
+constexpr std::array<std::string_view, 13> kBegunBy{"who",     "whom",     "whose", "what", "which",
+                                                    "where",   "when",     "why",   "how",  "if",
+                                                    "whether", "whatever", "at"};
+
+bool begins_question(std::string_view word) {
+  return std::find(kBegunBy.begin(), kBegunBy.end(), word) != kBegunBy.end();
+}
+
+/// Takes what begins at a word; returns whether anything did.
+bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
+  static const WordPatterns kPlain(kBeginnings);
+  static const WordPatterns kBeforeQuestion(kBeforeQuestionWords);
+  static const WordPatterns kWhether(kWhetherBeginnings);
+  if (const size_t count = kWhether.count_at(words, at); count > 0 && at + count < words.size()) {
+    erase_words(words, at, count);
+    words.insert(words.begin() + static_cast<ptrdiff_t>(at),
+                 QuestionWord{"whether", "whether", true, false, false});
+    return true;
+  }
+  size_t count = kPlain.count_at(words, at);
+  if (count > 0 && words[at + count - 1].ends_clause && at + count < words.size() && at > 0 &&
+      !words[at].begins_sentence)
+    count = 0;
+  const size_t before = kBeforeQuestion.count_at(words, at);
+  if (before > count && at + before < words.size() && begins_question(words[at + before].text))
+    count = before;
+  if (count == 0 || at + count >= words.size()) return false;
+  erase_words(words, at, count);
+  words[at].begins_sentence = true;
+  return true;
+}
+
+/// Whether a word before a beginning says nothing: "hello", "please", and not "did you".
+bool is_greeting(const std::string& word) {
+  constexpr std::array<std::string_view, 11> kOfQuestions{"did", "do", "does", "have", "has", "had",
+                                                          "you", "is", "are",  "was",  "were"};
+  return is_filler(word) &&
+         std::find(kOfQuestions.begin(), kOfQuestions.end(), word) == kOfQuestions.end();
 }
 
 }  // namespace
 
 bool take_politeness(std::vector<QuestionWord>& words) {
   bool is_taken = false;
+  bool is_leading = true;
   // Several may follow each other: "Hello robot, do you remember, could you tell me ...".
-  for (size_t at = 0; at < std::min<size_t>(words.size(), 12);) {
-    bool is_here = false;
-    // Only what nothing but a greeting precedes is a beginning.
-    if (at > 0 && !is_filler(words[at - 1].text)) break;
-    for (const std::string_view beginning : kPoliteBeginnings) {
-      const auto phrase = parts_of_phrase(beginning);
-      if (!is_phrase_at(words, at, phrase) || words.size() == at + phrase.size()) continue;
-      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
-                  words.begin() + static_cast<ptrdiff_t>(at + phrase.size()));
-      if (at < words.size()) words[at].begins_sentence = true;
-      is_here = is_taken = true;
-      break;
-    }
-    for (const std::string_view beginning : kIgnorantBeginnings) {
-      const auto phrase = parts_of_phrase(beginning);
-      const size_t next = at + phrase.size();
-      if (is_here || !is_phrase_at(words, at, phrase) || next >= words.size() ||
-          !is_question_word(words[next].text))
-        continue;
-      words.erase(words.begin() + static_cast<ptrdiff_t>(at),
-                  words.begin() + static_cast<ptrdiff_t>(next));
-      words[at].begins_sentence = true;
-      is_here = is_taken = true;
-    }
-    if (!is_here) ++at;
+  for (size_t at = 0; at < words.size();) {
+    // Only what nothing but a greeting precedes is a beginning, or what begins a clause.
+    is_leading = is_leading && (at == 0 || is_greeting(words[at - 1].text));
+    const bool begins_clause = is_leading || words[at].begins_sentence ||
+                               words[at - 1].ends_clause || words[at - 1].text == "and";
+    if (begins_clause && words[at].text != "whether" && take_beginning(words, at))
+      is_taken = true;
+    else
+      ++at;
   }
   return is_taken;
 }

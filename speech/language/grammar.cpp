@@ -5,6 +5,7 @@
 
 #include "speech/language/english.h"
 #include "speech/language/grammar_rules.h"
+#include "speech/language/phrases.h"
 
 namespace engram::speech {
 
@@ -179,6 +180,9 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
   tagger.correct(words, lexicon);
   QuestionInWords in_words;
+  in_words.is_stated = words.back().ends_statement;
+  take_endearments(words);
+  take_question_tags(words);
   in_words.is_indirect = take_politeness(words);
   replace_phrases(words);
   in_words.times = take_times(words, now, zone);

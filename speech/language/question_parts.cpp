@@ -26,6 +26,7 @@ Asks asked_by(const TaggedWords& words, size_t at) {
   if (is_word(word, {"how_ago"})) return Asks::kHowAgo;
   if (is_word(word, {"which"})) return Asks::kWhich;
   if (is_word(word, {"what"})) return Asks::kWhat;
+  if (is_word(word, {"whatever"}) && at == 0) return Asks::kWhat;
   if (is_word(word, {"how"}))
     return at + 1 < words.size() && is_word(words[at + 1], {"many", "much"}) ? Asks::kHowMany
                                                                              : Asks::kHow;
@@ -59,6 +60,32 @@ size_t end_of_clause(const TaggedWords& words, size_t begin) {
       return at;
   }
   return words.size();
+}
+
+/// Whether a clause says nothing but that it asks of another one: "what was it", "when was that",
+/// "how long did it take".
+bool asks_of_other(const TaggedWords& words) {
+  bool is_asking = false;
+  for (const TaggedWord& word : words) {
+    const bool is_little =
+        word.tag == WordTag::kFiller || word.tag == WordTag::kUnknown ||
+        is_word(word,
+                {"it",    "that",   "this",     "them",     "those",      "these",    "one",
+                 "ones",  "so",     "first",    "last",     "then",       "of",       "all",
+                 "both",  "he",     "she",      "they",     "exactly",    "many",     "much",
+                 "times", "long",   "for",      "from",     "and",        "not",      "called",
+                 "name",  "number", "in",       "total",    "altogether", "just",     "was",
+                 "did",   "is",     "take",     "took",     "again",      "who",      "what",
+                 "which", "once",   "twice",    "tries",    "by",         "attempts", "attempt",
+                 "with",  "whom",   "duration", "distance", "need",       "needed"}) ||
+        word.lemma == "be" || word.lemma == "do" || word.lemma == "have";
+    const bool is_of_robot = is_word(word, {"you", "robot", "something", "anything", "nothing"});
+    is_asking = is_asking ||
+                asked_by(words, static_cast<size_t>(&word - words.data())) != Asks::kNothing ||
+                is_word(word, {"did", "was", "whether"});
+    if (!is_little || (is_of_robot && &word != &words.back())) return false;
+  }
+  return is_asking;
 }
 
 bool has_event(const TaggedWords& words, size_t begin, size_t end) {
@@ -114,6 +141,13 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
          is_word(words[begin], {"so", "and", "well", "but", "ok", "okay", "hey", "hello", "hi",
                                 "robot", "please", "then", "now", "um", "oh"}))
     ++begin;
+  if (is_word(words[begin], {"whether"})) return Asks::kWhether;
+  // "Did somebody give you tasks, and who was it?"
+  if (is_auxiliary(words[begin]) && !is_word(words[begin], {"had"}))
+    for (size_t at = begin + 2; at < words.size(); ++at)
+      if ((words[at - 1].ends_clause || is_word(words[at - 1], {"and"})) &&
+          asked_by(words, at) != Asks::kNothing && asked_by(words, at) != Asks::kWhen)
+        return asked_by(words, at);
   // "Had you picked it up, what would ...", "Did you do anything, and what?"
   const Asks at_end = asked_by(words, words.size() - 1);
   if (is_auxiliary(words[begin]) && words.size() > begin + 3 && at_end != Asks::kNothing &&
@@ -133,6 +167,11 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
   Asks found = Asks::kNothing;
   for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
     found = asked_by(words, at);
+  // "How long was that, in metres?"
+  if (found == Asks::kHowLong &&
+      std::any_of(words.begin(), words.end(),
+                  [](const TaggedWord& word) { return is_word(word, {"how_far"}); }))
+    return Asks::kHowFar;
   // For whom and why: the reasons tell both.
   if (found == Asks::kWho)
     for (size_t at = 1; at + 1 < words.size(); ++at)
@@ -143,8 +182,11 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
         return is_word(word, {"if", "whether"});
       }))
     return Asks::kWhether;
-  // "Is it true that you picked up the salt?"
+  // "Is it true that you picked up the salt?", "Do you remember picking up the salt?"
   if (is_indirect && words.front().text == "you") return Asks::kWhether;
+  if (is_indirect && words.front().text.ends_with("ing") &&
+      (words.front().tag == WordTag::kVerb || words.front().lemma == "see"))
+    return Asks::kWhether;
   for (size_t at = 0; at < words.size(); ++at)
     if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return Asks::kWhether;
   // "You picked up the salt?"
@@ -160,6 +202,7 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
 /// Whether a main clause asks of the very event that its subordinate clause tells of: "Why were you
 /// stopped while picking up the tea?", and not where the robot was or what it did then.
 bool asks_of_clause(const TaggedWords& main, Asks asks) {
+  if (asks_of_other(main)) return true;
   if (std::any_of(main.begin(), main.end(), is_of_clause)) return false;
   const auto has = [&](std::initializer_list<std::string_view> lemmas) {
     return std::any_of(main.begin(), main.end(), [&](const TaggedWord& word) {
@@ -276,12 +319,15 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   const size_t asking = asking_sentence(sentences);
   TaggedWords main = sentences[asking];
   // "You were at the table. Why?" asks of the sentence before.
-  if (main.size() == 1 && asking > 0 && asked_by(main, 0) != Asks::kNothing) {
-    const TaggedWords& told = sentences[asking - 1];
-    main.insert(main.begin(), told.begin(), told.end());
+  size_t told = asking;
+  std::optional<Asks> asked;
+  if (asking > 0 && (asks_of_other(main) || main.size() == 1)) {
+    asked = asked_for(main, is_indirect);
+    told = asking - 1;
+    main.insert(main.begin(), sentences[told].begin(), sentences[told].end());
   }
   auto beside = take_clause(main);
-  const Asks asks = main.empty() ? Asks::kNothing : asked_for(main, is_indirect);
+  const Asks asks = main.empty() ? Asks::kNothing : asked ? *asked : asked_for(main, is_indirect);
   if (beside && beside->link == ClauseLink::kWhile && asks_of_clause(main, asks)) {
     main.insert(main.end(), beside->parts.words.begin(), beside->parts.words.end());
     beside.reset();
@@ -290,7 +336,7 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   if (beside) parts.beside.emplace(std::move(*beside));
   parts.times = std::move(times);
   for (size_t i = 0; i < sentences.size(); ++i)
-    if (i != asking)
+    if (i != asking && i != told)
       for (const TaggedWord& word : sentences[i])
         (word.tag == WordTag::kThing ? parts.context : parts.context_lemmas)
             .insert(word.tag == WordTag::kThing ? word.value : word.lemma);

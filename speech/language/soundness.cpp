@@ -210,8 +210,7 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
   const bool is_whether = parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing;
   const auto& words = main_.words;
   if (main_.has_any({"never", "except", "besides", "both"})) return false;
-  if (main_.has_words({"on", "purpose"}) || main_.has("always") ||
-      main_.has_words({"all", "the", "time"}))
+  if (main_.has("on_purpose") || main_.has("always") || main_.has_words({"all", "the", "time"}))
     return false;
   if (is_whether && main_.has_any({"because", "where"})) return false;
   if (parts_.asks == Asks::kWhy && main_.has_any({"before", "after", "than"})) return false;

@@ -205,7 +205,9 @@ class WordTagger final : public Tagger {
     if (word.text == "left" && is_in(before, {"you", "have", "was", "been", "robot", "did"}))
       word.lemma = "leave";
     const SkillVerb* verb = verb_with_lemma(word.lemma);
-    if (verb != nullptr && !is_verb_of_sight(word.lemma) && is_verb_here(word, before, after)) {
+    if (verb != nullptr && !is_verb_of_sight(word.lemma) && is_verb_here(word, before, after) &&
+        (!is_in(word.lemma, {"go", "come"}) || is_of_moving(words, at)) &&
+        (word.lemma != "get" || is_of_getting(words, at))) {
       word.tag = WordTag::kVerb;
       word.verb = verb;
       return word;
@@ -216,6 +218,43 @@ class WordTagger final : public Tagger {
     else if (is_filler(word.text) || number_named(word.text) >= 0)
       word.tag = WordTag::kFiller;
     return word;
+  }
+
+  /// Whether to go or to come is to drive: "went to the table", "go there", and not "went to take
+  /// it", "came first", "how much time went by".
+  static bool is_of_moving(const std::vector<QuestionWord>& words, size_t at) {
+    const auto text = [&](size_t index) {
+      return index < words.size() ? words[index].text : std::string();
+    };
+    if (words[at].ends_clause || at + 1 == words.size()) return true;
+    size_t next = at + 1;
+    while (is_in(text(next), {"over", "back", "across", "straight", "all", "the", "way", "right"}))
+      ++next;
+    if (is_in(text(next), {"and"})) return false;
+    const bool is_driving =
+        lemma_of(words[at].text) == "go" || is_in(text(next), {"to", "near", "there", "here"});
+    if (is_in(text(next), {"to", "and"}) && next + 1 < words.size()) {
+      const std::string lemma = lemma_of(text(next + 1));
+      if (lemma == text(next + 1) && lemma != "place" && verb_with_lemma(lemma) != nullptr)
+        return false;
+    }
+    const bool is_gerund =
+        text(next).ends_with("ing") && verb_with_lemma(lemma_of(text(next))) != nullptr;
+    return is_driving && !is_gerund &&
+           !is_in(text(next), {"by", "off", "into", "ahead", "after", "through", "wrong", "for"});
+  }
+
+  /// Whether to get is to take: not "get your tasks", "where has it got to".
+  static bool is_of_getting(const std::vector<QuestionWord>& words, size_t at) {
+    const bool is_of_task = std::any_of(words.begin(), words.end(), [](const QuestionWord& word) {
+      return is_in(lemma_of(word.text),
+                   {"task", "job", "order", "command", "request", "instruction", "asked"});
+    });
+    if (is_of_task) return false;
+    if (words[at].text == "got" && at > 0 &&
+        !is_in(words[at - 1].text, {"you", "have", "robot", "i", "and", "has", "ever", "not"}))
+      return false;
+    return !(at + 2 == words.size() && words[at + 1].text == "to");
   }
 
   /// Whether a word that may be a verb is one: "the first place" and "went wrong" have none.
@@ -233,7 +272,8 @@ class WordTagger final : public Tagger {
     if (word.lemma == "get" && is_in(after, {"done", "stopped", "interrupted", "asked", "told",
                                              "wrong", "stuck", "lost", "blocked"}))
       return false;
-    if (word.lemma == "come" && is_in(after, {"up", "from"}) && before != "you") return false;
+    if (word.lemma == "come" && is_in(after, {"up", "from", "with"}) && before != "you")
+      return false;
     if (is_in(word.text, {"place", "grip", "visit", "search", "walk", "look", "drop", "set"}) &&
         is_in(before, {"which", "what", "that", "same", "whose", "any", "some"}))
       return false;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "speech/language/word_pattern.h"
+
 namespace engram::speech {
 
 namespace {
@@ -35,7 +37,7 @@ class TimeWordReader {
   AskedTimes take_all() {
     for (size_t at = 0; at < words_.size();) {
       if (const size_t count = take(at); count > 0)
-        erase(at, count);
+        erase_words(words_, at, count);
       else
         ++at;
     }
@@ -50,17 +52,6 @@ class TimeWordReader {
   }
   [[nodiscard]] bool is(size_t at, std::initializer_list<std::string_view> choices) const {
     return is_any(word(at), choices);
-  }
-
-  void erase(size_t at, size_t count) {
-    // What begins a sentence or ends a clause does so without these words, too.
-    const bool begins = words_[at].begins_sentence;
-    bool ends = false;
-    for (size_t i = at; i < at + count; ++i) ends = ends || words_[i].ends_clause;
-    words_.erase(words_.begin() + static_cast<ptrdiff_t>(at),
-                 words_.begin() + static_cast<ptrdiff_t>(at + count));
-    if (at < words_.size() && begins) words_[at].begins_sentence = true;
-    if (at > 0 && ends) words_[at - 1].ends_clause = true;
   }
 
   /// Takes what begins at a word; returns of how many words it was, 0 for nothing. A second time of

@@ -44,7 +44,7 @@ constexpr std::array<Respelled, 6> kEndings{{
     {"'re", " are"},
     {"'ve", " have"},
     {"'ll", " will"},
-    {"'d", " did"},
+    {"'d", " 'd"},
     {"'m", " am"},
 }};
 
@@ -101,6 +101,26 @@ std::string written_out(const std::string& word) {
   return word;
 }
 
+/// Says what "'d" is: "where'd you put it" is did, "you'd been" is had, "I'd like" is would.
+void write_out_d(std::vector<QuestionWord>& words) {
+  constexpr std::array<std::string_view, 7> kAsking{"where", "what", "who",  "why",
+                                                    "how",   "when", "which"};
+  constexpr std::array<std::string_view, 5> kBetween{"not", "just", "ever", "already", "also"};
+  const auto is_in = [](const auto& list, const std::string& word) {
+    return std::find(list.begin(), list.end(), word) != list.end();
+  };
+  for (size_t at = 1; at < words.size(); ++at) {
+    if (words[at].text != "'d") continue;
+    size_t next = at + 1;
+    while (next < words.size() && is_in(kBetween, words[next].text)) ++next;
+    const std::string verb = next < words.size() ? words[next].text : std::string();
+    if (is_in(kAsking, words[at - 1].text))
+      words[at].text = verb == "have" ? "would" : "did";
+    else
+      words[at].text = lemma_of(verb) == verb ? "would" : "had";
+  }
+}
+
 }  // namespace
 
 Result<std::vector<QuestionWord>> split_words(std::string_view question) {
@@ -118,6 +138,7 @@ Result<std::vector<QuestionWord>> split_words(std::string_view question) {
       if (ends_sentence) begins = true;
       if ((ends_sentence || sign == ',' || sign == ':') && !words.empty())
         words.back().ends_clause = true;
+      if ((sign == '.' || sign == '!') && !words.empty()) words.back().ends_statement = true;
       continue;
     }
     const size_t begin = at;
@@ -137,6 +158,7 @@ Result<std::vector<QuestionWord>> split_words(std::string_view question) {
   }
   if (words.empty()) return invalid_argument("there is no question");
   words.back().ends_clause = true;
+  write_out_d(words);
   return words;
 }
 

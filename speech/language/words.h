@@ -14,9 +14,10 @@ struct QuestionWord {
   std::string text;   ///< In lower case, contractions written out: "did", "not".
   std::string given;  ///< As it was written.
   bool begins_sentence = false;
-  bool is_capital = false;    ///< Its first letter was one, and the word is not all capitals.
-  bool ends_clause = false;   ///< A comma, a full stop or the like follows.
-  bool is_corrected = false;  ///< It was mistyped.
+  bool is_capital = false;      ///< Its first letter was one, and the word is not all capitals.
+  bool ends_clause = false;     ///< A comma, a full stop or the like follows.
+  bool is_corrected = false;    ///< It was mistyped.
+  bool ends_statement = false;  ///< A full stop or an exclamation mark follows.
 };
 
 /// What a question may be: longer ones are refused before anything is made of them.

@@ -12,13 +12,13 @@ namespace {
 
 constexpr std::array<SkillVerb, 10> kSkillVerbs{{
     {"pick up", "picked up", "picking up", "from", "",
-     "pick pickup grasp grab take lift grip fetch collect get seize"},
+     "pick pickup grasp grab take lift grip fetch collect get seize remove"},
     {"place", "placed", "placing", "on", "",
      "place put set lay deposit release drop putdown setdown leave deliver"},
     {"drive", "drove", "driving", "to", "for",
      "navigate drive move go travel approach head roll walk visit come"},
     {"look", "looked", "looking", "at", "for",
-     "look search seek inspect watch find locate scan spot"},
+     "look search seek inspect watch find locate scan spot hunt"},
     {"open", "opened", "opening", "at", "", "open unlock"},
     {"close", "closed", "closing", "at", "", "close shut lock"},
     {"pour", "poured", "pouring", "at", "", "pour fill"},

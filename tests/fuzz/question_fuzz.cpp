@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/language/english.h"
+#include "speech/language/phrases.h"
 #include "speech/language/time_words.h"
 #include "speech/language/words.h"
 #include "speech/program/period.h"
@@ -19,6 +20,8 @@ int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t size) {
     ENGRAM_CHECK(!word.text.empty(), "a word of '{}' is empty", text);
     ENGRAM_CHECK(!lemma_of(word.text).empty(), "'{}' has no lemma", word.text);
   }
+  take_endearments(words);
+  take_question_tags(words);
   take_politeness(words);
   replace_phrases(words);
   const Time now = time_from_ns(1'767'254'400'000'000'000);

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "speech/language/english.h"
+#include "speech/language/word_pattern.h"
+
+namespace engram::speech {
+
+namespace {
+
+/// What stands behind a statement, or before it, and asks whether it is so.
+constexpr std::string_view kTags[] = {
+    "is|was|are|were|did|do|does|has|have|had|can|could|will|would not? "
+    "it|you|they|he|she|there|that|this|i|we",
+    "right|correct|true|yes|no|eh|huh|ok|okay|innit|really",
+    "am i right|correct|wrong|mistaken?",
+    "is|was that|this|it so|right|correct|true|really|the case",
+    "is that the case",
+    "true or false",
+    "yes or no",
+    "or not|no",
+    "or did|have|were|are|is|was you|it not?",
+    "please confirm",
+    "i think|guess|suppose|believe|hope|know|bet",
+};
+
+constexpr std::string_view kEndearments[] = {
+    "my|you|old|little? dear|dearest|darling|sweetheart|sweetie|honeybun|love|lovely|treasure|pet "
+    "one?",
+    "my|good|dear|old|nice|little|clever|brave my|good|dear|old|nice|little|clever|brave? "
+    "robot|boy|girl|fellow|friend|man|lad|chap|machine|mate|one|thing",
+    "poor|silly thing|you|dear|fellow",
+    "sweetheart|sweetie|darling|pal|buddy|mate|bless you?",
+    "for heaven|goodness|god|pity sake",
+    "goodness|heavens|gosh|blimey|pray|prithee|alas|ugh|wow|hmm gracious|me?",
+    "oh|well dear|boy|my|well|no",
+    "if you please|like",
+    "bless you",
+    "be honest",
+    "never mind",
+    "by any chance",
+    "pretty? please",
+};
+
+bool asks_by_itself(const std::string& word) {
+  constexpr std::array<std::string_view, 9> kAsking{"who",   "whom", "whose", "what", "which",
+                                                    "where", "when", "why",   "how"};
+  return std::find(kAsking.begin(), kAsking.end(), word) != kAsking.end();
+}
+
+bool begins_whether(const std::string& word) {
+  constexpr std::array<std::string_view, 15> kBeginning{"did", "do",    "does",  "have",    "has",
+                                                        "had", "is",    "are",   "was",     "were",
+                                                        "can", "could", "would", "whether", "will"};
+  return std::find(kBeginning.begin(), kBeginning.end(), word) != kBeginning.end();
+}
+
+/// Puts "whether" before the last sentence unless it asks already. Whoever says no verb means that
+/// something is so: "coffee in the gripper".
+void ask_whether(std::vector<QuestionWord>& words) {
+  size_t begin = words.size() - 1;
+  while (begin > 0 && !words[begin].begins_sentence) --begin;
+  for (size_t at = begin; at < words.size(); ++at)
+    if (asks_by_itself(words[at].text) && (at == begin || words[at - 1].ends_clause)) return;
+  if (begins_whether(words[begin].text)) return;
+  words.insert(words.begin() + static_cast<ptrdiff_t>(begin),
+               QuestionWord{"whether", "whether", true, false, false});
+  words[begin + 1].begins_sentence = false;
+}
+
+}  // namespace
+
+void take_question_tags(std::vector<QuestionWord>& words) {
+  static const WordPatterns kPatterns(kTags);
+  bool is_asked = false;
+  for (size_t at = 1; at < words.size();) {
+    const bool begins = words[at].begins_sentence || words[at - 1].ends_clause ||
+                        words[at].text == "or" || words[at].text == "yes";
+    size_t count = begins ? kPatterns.count_at(words, at) : 0;
+    if (count > 0 && !words[at + count - 1].ends_clause) count = 0;
+    const bool is_last =
+        at + count == words.size() || (count > 0 && words[at + count].begins_sentence);
+    if (count == 0 || !is_last) {
+      ++at;
+      continue;
+    }
+    // "Did it?" behind a statement asks it; behind a question it says nothing.
+    is_asked = at + count == words.size();
+    erase_words(words, at, count);
+  }
+  if (is_asked) ask_whether(words);
+}
+
+void take_endearments(std::vector<QuestionWord>& words) {
+  static const WordPatterns kPatterns(kEndearments);
+  for (size_t at = 0; at < words.size();) {
+    // They stand between marks: "my dear" is nobody in "where is my dear mug".
+    const bool begins = at == 0 || words[at].begins_sentence || words[at - 1].ends_clause;
+    const size_t count = begins ? kPatterns.count_at(words, at) : 0;
+    if (count == 0 || !words[at + count - 1].ends_clause || count == words.size())
+      ++at;
+    else
+      erase_words(words, at, count);
+  }
+}
+
+}  // namespace engram::speech
