@@ -154,7 +154,8 @@ bool asks_for_future(const QuestionParts& parts) {
 bool is_request(const QuestionParts& parts) {
   const ClauseParts& main = parts.main;
   if (parts.asks == Asks::kWhether && main.has_any({"can", "could", "would"}) &&
-      main.has_any({"you", "robot"}) && !main.has_any({"see", "have", "visible", "hold"}))
+      main.has_any({"you", "robot"}) &&
+      !main.has_any({"see", "have", "visible", "hold", "be", "eventually"}))
     return true;
   if (main.words.empty()) return false;
   const TaggedWord& first = main.words.front();

@@ -14,10 +14,19 @@ std::string skills_or_word(const Lexicon& lexicon, const TaggedWord& word) {
   return skills.empty() ? word.lemma : skills;
 }
 
-const SkillVerb* verb_called(std::string_view lemma) {
-  for (const SkillVerb& verb : skill_verbs())
-    if (has_lemma(verb, lemma)) return &verb;
-  return nullptr;
+/// Whether "it" is what something is done to: not in "how long did it take", "how far was it to".
+bool has_object_it(const ClauseParts& clause) {
+  bool is_behind_verb = false;
+  for (const TaggedWord& word : clause.words) {
+    if (word.text == "it" && is_behind_verb) return true;
+    const bool is_deed = word.tag == WordTag::kVerb || word.lemma == "bring" ||
+                         word.lemma == "carry" || word.lemma == "move" || word.lemma == "shift" ||
+                         word.lemma == "transport" || word.lemma == "use";
+    if (is_deed && word.lemma != "take") is_behind_verb = true;
+    if (word.lemma == "take" && !clause.has_any({"how_long", "long", "longer"}))
+      is_behind_verb = true;
+  }
+  return false;
 }
 
 bool is_carrying(std::string_view lemma) {
@@ -53,12 +62,11 @@ void GrammarRules::add_places(Program& program) const {
 std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   std::vector<std::string> skills = clause.skills;
   const auto add = [&](std::string_view lemma) {
-    const SkillVerb* verb = verb_called(lemma);
-    std::string named = verb == nullptr ? std::string() : lexicon_.skills_of(*verb);
-    if (!named.empty()) skills.push_back(std::move(named));
+    if (std::string named = skills_called({lemma}); !named.empty())
+      skills.push_back(std::move(named));
   };
   // "How long did it take" is of no thing.
-  const bool is_it = clause.has("it") && !clause.has_words({"it", "take"});
+  const bool is_it = has_object_it(clause);
   const bool has_thing = !clause.things.empty() || is_it ||
                          clause.has_any({"them", "something", "anything", "thing", "object"});
   const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
@@ -123,6 +131,22 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   return any_of_names(skills);
 }
 
+std::string GrammarRules::skills_called(std::initializer_list<std::string_view> verbs) const {
+  std::string skills;
+  for (const std::string_view name : verbs) {
+    const SkillVerb* verb = verb_with_lemma(name);
+    const std::string known = verb == nullptr ? std::string() : lexicon_.skills_of(*verb);
+    if (!known.empty()) skills += (skills.empty() ? "" : ",") + known;
+  }
+  return skills;
+}
+
+void GrammarRules::add_skills(Program& program,
+                              std::initializer_list<std::string_view> verbs) const {
+  if (const std::string skills = skills_called(verbs); !skills.empty())
+    program.with(FilterKey::kSkill, skills);
+}
+
 Program GrammarRules::executions_of(const ClauseParts& clause) const {
   Program program{ProgramSource::kExecutions, {}, {}};
   if (std::string skills = skills_of(clause); !skills.empty())
@@ -158,9 +182,7 @@ GrammarRules::Found GrammarRules::moment_of_clause() const {
   }
   program = executions_of(told);
   if (told.has_any({"touch", "handle"}) && program.find(FilterKey::kSkill) == nullptr)
-    if (const SkillVerb* pick = verb_called("pick"))
-      if (const std::string picking = lexicon_.skills_of(*pick); !picking.empty())
-        program.with(FilterKey::kSkill, picking);
+    add_skills(program, {"pick"});
   if (told.things.empty() && told.has_any({"it", "them", "that"}) && !main_.things.empty())
     program.with(FilterKey::kThing, any_of_names(main_.things));
   if (told.has_any({"fail", "unable", "not", "wrong"}))
@@ -268,7 +290,7 @@ bool GrammarRules::asks_about_failure() const {
                         "slip"}) ||
          (main_.has("not") && main_.has_any({"work", "succeed", "manage", "able", "achieve",
                                              "accomplish", "planned", "go"})) ||
-         (main_.has("could") && main_.has("not"));
+         (main_.has("could") && main_.has("not") && !asks_about_stop());
 }
 
 bool GrammarRules::asks_about_stop() const {
@@ -289,6 +311,10 @@ bool GrammarRules::asks_about_words() const {
 }
 
 bool GrammarRules::asks_about_holding() const {
+  // What a table holds lies on it.
+  if (!main_.places.empty() && !is_of_robot() && main_.has("hold") && main_.hands.empty() &&
+      main_.has_any({"does", "do", "did"}))
+    return false;
   if (main_.has_any({"hold", "carry", "keep"})) return true;
   // "in your right hand"
   for (size_t at = 0; at < main_.words.size(); ++at)
@@ -312,9 +338,10 @@ GrammarRules::Found GrammarRules::program() {
   if (is_beyond_programs()) return {};
   using Rule = Found (GrammarRules::*)();
   constexpr Rule kRules[] = {
-      &GrammarRules::instead,  &GrammarRules::who,     &GrammarRules::why,   &GrammarRules::when,
-      &GrammarRules::amounts,  &GrammarRules::which,   &GrammarRules::where, &GrammarRules::holding,
-      &GrammarRules::compared, &GrammarRules::whether, &GrammarRules::what};
+      &GrammarRules::instead,  &GrammarRules::unfinished, &GrammarRules::who,
+      &GrammarRules::why,      &GrammarRules::when,       &GrammarRules::amounts,
+      &GrammarRules::which,    &GrammarRules::where,      &GrammarRules::holding,
+      &GrammarRules::compared, &GrammarRules::whether,    &GrammarRules::what};
   for (const Rule rule : kRules)
     if (Found found = (this->*rule)()) return says_all(*found) ? found : Found();
   return {};

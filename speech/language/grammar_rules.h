@@ -38,8 +38,11 @@ class GrammarRules {
   [[nodiscard]] bool endings_are_said(const Program& program) const;
   [[nodiscard]] bool verbs_are_said(const Program& program) const;
 
-  // Who, why and when, and what would have been (rules_of_events.cpp).
+  // What would have been (rules_of_instead.cpp).
+  Found unfinished();
   Found instead();
+
+  // Who, why and when (rules_of_events.cpp).
   Found who();
   Found why();
   Found when();
@@ -71,6 +74,10 @@ class GrammarRules {
   [[nodiscard]] Program executions_of(const ClauseParts& clause) const;
   /// The skills that the verbs of a clause mean, joined by commas; empty: it has none.
   [[nodiscard]] std::string skills_of(const ClauseParts& clause) const;
+  /// The skills of the memory that verbs of English name, joined by commas: "pick".
+  [[nodiscard]] std::string skills_called(std::initializer_list<std::string_view> verbs) const;
+  /// Adds these skills, where the memory has any.
+  void add_skills(Program& program, std::initializer_list<std::string_view> verbs) const;
   /// Adds the times, and the time that a subordinate clause tells.
   void add_times(Program& program) const;
   /// The times in which a thing was seen.

@@ -416,6 +416,18 @@ constexpr Phrase kPhrasesOfAsking[] = {
     {"which distance", "how_far"},
     {"how far", "how_far"},
     {"how large a distance", "how_far"},
+    {"every|each|any object|thing|item that? you have|ever?", "which objects you"},
+    {"name|tell|list|say me? whatever", "what"},
+    {"name it|them for? me?", "which was it"},
+    {"what is it|that called", "which thing was it"},
+    {"a? report on|of all? the?", "which"},
+    {"in|during what|which activity|task|action were you", "what were you doing"},
+    {"could you count for me what", "how many things"},
+    {"do|does|did you keep count of", ""},
+    {"be glad to learn", ""},
+    {"an? inventory of", "which"},
+    {"which|what are they", "which"},
+    {"which|what were they", "which"},
 };
 
 }  // namespace

@@ -182,6 +182,35 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
         return is_word(word, {"if", "whether"});
       }))
     return Asks::kWhether;
+  // "Everything you did", "whatever you put down".
+  if (std::any_of(words.begin(), words.end(),
+                  [](const TaggedWord& word) {
+                    return is_word(word, {"everything", "whatever", "every", "all"});
+                  }) &&
+      !is_auxiliary(words[begin]))
+    return Asks::kWhat;
+  // "Objects placed?"
+  const bool has_thing_word = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return is_word(word, {"objects", "things", "items", "object", "item", "thing"});
+  });
+  const bool has_deed = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return word.tag == WordTag::kVerb || word.lemma == "see" || word.lemma == "hold" ||
+           word.text == "visible";
+  });
+  const bool has_place = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return word.tag == WordTag::kPlace;
+  });
+  const bool is_told = std::any_of(words.begin(), words.end(), is_auxiliary);
+  const bool is_plural = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return is_word(word, {"objects", "things", "items"});
+  });
+  if (has_thing_word && !is_told && (has_deed || (has_place && is_plural))) return Asks::kWhich;
+  // "The salt on the table?", "An object on the counter?"
+  const bool has_thing =
+      has_thing_word || std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+        return word.tag == WordTag::kThing || word.text == "anything";
+      });
+  if (has_thing && has_place && !is_told && !has_deed) return Asks::kWhether;
   // "Is it true that you picked up the salt?", "Do you remember picking up the salt?"
   if (is_indirect && words.front().text == "you") return Asks::kWhether;
   if (is_indirect && words.front().text.ends_with("ing") &&
@@ -326,6 +355,24 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
     told = asking - 1;
     main.insert(main.begin(), sentences[told].begin(), sentences[told].end());
   }
+  // "The table had things on it. What did you take from there?"
+  const bool has_place_word = std::any_of(
+      main.begin(), main.end(), [](const TaggedWord& word) { return word.tag == WordTag::kPlace; });
+  const bool is_of_there = std::any_of(main.begin(), main.end(), [](const TaggedWord& word) {
+    return is_word(word, {"there", "it", "one"});
+  });
+  const bool has_thing_name = std::any_of(
+      main.begin(), main.end(), [](const TaggedWord& word) { return word.tag == WordTag::kThing; });
+  if (asking > 0 && !has_place_word && is_of_there)
+    for (const TaggedWord& word : sentences[asking - 1])
+      if (word.tag == WordTag::kPlace &&
+          (!has_thing_name || std::any_of(main.begin(), main.end(), [](const TaggedWord& one) {
+            return one.text == "there";
+          }))) {
+        main.push_back(word);
+        main.back().begins_sentence = false;
+        break;
+      }
   auto beside = take_clause(main);
   const Asks asks = main.empty() ? Asks::kNothing : asked ? *asked : asked_for(main, is_indirect);
   if (beside && beside->link == ClauseLink::kWhile && asks_of_clause(main, asks)) {

@@ -86,6 +86,7 @@ void take_question_tags(std::vector<QuestionWord>& words) {
       ++at;
       continue;
     }
+    // "It worked, didn't it, in the end": it may stand amid them.
     // "Did it?" behind a statement asks it; behind a question it says nothing.
     is_asked = at + count == words.size();
     erase_words(words, at, count);

@@ -38,10 +38,7 @@ GrammarRules::Found GrammarRules::amounts() {
     // No program tells which of several drives was the farthest.
     if (is_superlative() || parts_.asks == Asks::kWhich) return {};
     Program program = executions();
-    if (program.find(FilterKey::kSkill) == nullptr)
-      if (const SkillVerb* verb = verb_of_skill("drive"))
-        if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
-          program.with(FilterKey::kSkill, skills);
+    if (program.find(FilterKey::kSkill) == nullptr) add_skills(program, {"drive"});
     if (has_order()) add_order(program, {});
     return program.then(StepKind::kHowFar);
   }
@@ -53,6 +50,9 @@ GrammarRules::Found GrammarRules::amounts() {
   if (!is_often && parts_.asks != Asks::kHowMany && !is_count) return {};
   if (asks_about_stop() || asks_about_failure()) {
     Program program = executions();
+    // What was not found was looked for.
+    if (main_.has_any({"find", "locate"}) && program.find(FilterKey::kSkill) == nullptr)
+      add_skills(program, {"look"});
     program.with(FilterKey::kOutcome, asks_about_stop() ? "stop" : "failure");
     return program.then(StepKind::kCount);
   }
@@ -114,14 +114,10 @@ GrammarRules::Found GrammarRules::amounts() {
   Program program = executions();
   // What is tried with a thing, without a word for it, is to get it.
   if (asks_about_attempts() && program.find(FilterKey::kSkill) == nullptr && !thing().empty())
-    if (const SkillVerb* pick = verb_of_skill("pick"))
-      if (const std::string picking = lexicon_.skills_of(*pick); !picking.empty())
-        program.with(FilterKey::kSkill, picking);
+    add_skills(program, {"pick"});
   // Who was at a place has driven there.
   if (program.find(FilterKey::kSkill) == nullptr && thing().empty() && !main_.places.empty())
-    if (const SkillVerb* verb = verb_of_skill("drive"))
-      if (const std::string driving = lexicon_.skills_of(*verb); !driving.empty())
-        program.with(FilterKey::kSkill, driving);
+    add_skills(program, {"drive"});
   if (!is_often && is_of_things && !asks_about_attempts()) {
     program.with(FilterKey::kOutcome, "success");
     return program.then(StepKind::kHowMany, "thing");
@@ -140,10 +136,7 @@ GrammarRules::Found GrammarRules::which() {
       !main_.has_any({"longer", "slower", "faster", "quicker", "than"}) &&
       (parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || has_order())) {
     Program program = executions();
-    if (const SkillVerb* pick = verb_of_skill("pick"); is_handled && pick != nullptr)
-      if (const std::string picking = lexicon_.skills_of(*pick);
-          !picking.empty() && program.find(FilterKey::kSkill) == nullptr)
-        program.with(FilterKey::kSkill, picking);
+    if (is_handled && program.find(FilterKey::kSkill) == nullptr) add_skills(program, {"pick"});
     add_order(program, {});
     return program.then(StepKind::kWhich, "thing");
   }
@@ -154,12 +147,11 @@ GrammarRules::Found GrammarRules::which() {
     // No program tells which hand holds nothing.
     if (main_.has_any({"free", "empty"})) return {};
     // "Which hand held the salt?": the one that took it.
-    const SkillVerb* taking = verb_of_skill("pick");
+    const std::string taking_skills = skills_called({"pick"});
     if (main_.has_any({"held", "carried", "had"}) && !main_.has_verb() && !thing().empty() &&
-        !parts_.times.at && !parts_.beside && taking != nullptr &&
-        !lexicon_.skills_of(*taking).empty()) {
+        !parts_.times.at && !parts_.beside && !taking_skills.empty()) {
       Program program{ProgramSource::kExecutions, {}, {}};
-      program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+      program.with(FilterKey::kSkill, taking_skills);
       add_thing(program);
       add_times(program);
       add_order(program, StepKind::kLast);
@@ -182,6 +174,11 @@ GrammarRules::Found GrammarRules::which() {
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kWhich, "hand");
   }
+  // "Which object was your action at 8:05 about?"
+  if (is_which && parts_.times.at && main_.has_any({"thing", "object", "item"}) &&
+      !main_.has_verb() && thing().empty() && main_.places.empty() && !asks_about_sight() &&
+      !asks_about_holding() && !asks_about_words() && !asks_about_failure())
+    return executions().then(StepKind::kWhich, "thing");
   if (!is_which || asks_about_words() || asks_about_sight() || asks_about_holding()) return {};
   const bool is_of_thing = main_.has_any({"thing", "object", "item"}) || parts_.asks == Asks::kWhat;
   if (is_of_thing && !main_.has_verb() && thing().empty() &&
@@ -192,12 +189,7 @@ GrammarRules::Found GrammarRules::which() {
       program.with(FilterKey::kOutcome, "failure");
     } else if (has_order()) {
       // What was handled last was picked up or placed last, and not driven past.
-      std::string skills;
-      for (const char* name : {"pick", "place"})
-        if (const SkillVerb* verb = verb_of_skill(name))
-          if (const std::string known = lexicon_.skills_of(*verb); !known.empty())
-            skills += (skills.empty() ? "" : ",") + known;
-      if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+      add_skills(program, {"pick", "place"});
     }
     if (has_order()) add_order(program, {});
     return program.then(StepKind::kWhich, "thing");
@@ -218,8 +210,8 @@ GrammarRules::Found GrammarRules::which() {
   const std::string skills = skills_of(main_);
   if (skills.empty() || !thing().empty()) return {};
   Program program = executions();
-  const SkillVerb* drive = verb_of_skill("drive");
-  const bool is_place = drive != nullptr && skills == lexicon_.skills_of(*drive);
+  const std::string drive_skills = skills_called({"drive"});
+  const bool is_place = !skills.empty() && skills == drive_skills;
   if (!asks_about_attempts()) program.with(FilterKey::kOutcome, "success");
   if (has_order()) add_order(program, {});
   return program.then(StepKind::kWhich, is_place && main_.places.empty() ? "place" : "thing");
@@ -301,6 +293,8 @@ GrammarRules::Found GrammarRules::what() {
     Program program = executions();
     program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
     if (has_order()) add_order(program, {});
+    if (main_.has_any({"altogether", "count"}) && parts_.asks == Asks::kNothing)
+      return program.then(StepKind::kCount);
     return program.then(StepKind::kEvents);
   }
   // "What were you doing when you were stopped?"

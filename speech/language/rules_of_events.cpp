@@ -1,70 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-
 #include "speech/language/grammar_rules.h"
 
 namespace engram::speech {
-
-/// "What would you have done if nobody had said stop?"
-GrammarRules::Found GrammarRules::instead() {
-  // "Suppose nobody had said stop. What was left to do?"
-  const auto context_has = [this](std::initializer_list<const char*> lemmas) {
-    return std::any_of(lemmas.begin(), lemmas.end(),
-                       [this](const char* lemma) { return parts_.context_lemmas.contains(lemma); });
-  };
-  const bool is_context_stop = context_has({"stop", "interrupt", "halt"});
-  const bool is_context_failure = context_has({"fail", "wrong"});
-  const bool is_what_if = main_.has_words({"what", "if"});
-  const bool is_kept = parts_.asks == Asks::kWhat && main_.has_words({"keep", "you", "from"});
-  const bool is_cut_off =
-      is_context_stop || is_context_failure || asks_about_stop() ||
-      (asks_about_failure() && main_.has("after")) ||
-      (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt", "halt", "fail"}));
-  const bool is_would =
-      main_.has("would") && (main_.has("have") || (main_.has("if") && is_cut_off));
-  const bool is_instead = main_.has_any({"otherwise", "unless"}) || is_what_if || is_kept ||
-                          (main_.has("if") && main_.has("not") && main_.has("have"));
-  // "What did you do next after you were stopped?" asks of what was done.
-  const bool is_after = parts_.beside && parts_.beside->link == ClauseLink::kAfter &&
-                        !main_.has_any({"plan", "intend", "intention", "left", "remain", "still"});
-  const bool is_left = is_cut_off && !is_after &&
-                       (main_.has_any({"left", "leave", "remain", "rest", "intend", "intention",
-                                       "plan", "next", "else", "still"}) ||
-                        main_.has_words({"going", "to", "do"}));
-  const bool is_done = main_.has_any({"did", "does"}) && !main_.has("plan");
-  const bool is_next =
-      main_.has("next") && (main_.has("plan") || main_.has("intend")) && is_of_robot();
-  if (!is_would && !is_instead && (!is_left || is_done) && !is_next) return {};
-  Program program{ProgramSource::kExecutions, {}, {}};
-  add_thing(program);
-  if (is_what_if && !skills_of(main_).empty()) program.with(FilterKey::kSkill, skills_of(main_));
-  if (!parts_.beside) add_times(program);
-  const bool is_stop = is_context_stop || is_kept || asks_about_stop() ||
-                       (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"}));
-  const bool is_failure = asks_about_failure() || is_context_failure ||
-                          (is_what_if && main_.has_words({"go", "fine"})) ||
-                          (is_what_if && main_.has_words({"go", "well"})) || main_.has("manage") ||
-                          (parts_.beside && parts_.beside->parts.has("fail")) ||
-                          main_.has_any({"fall", "lose", "succeed", "drop", "work"});
-  // What would be in a world that is otherwise no plan tells.
-  const bool is_supposed = is_what_if || main_.has("if");
-  if (is_supposed && !is_stop && !is_failure && !main_.has("say") && !parts_.beside) return {};
-  program.with(FilterKey::kOutcome, is_stop            ? "stop"
-                                    : is_failure       ? "failure"
-                                    : main_.has("say") ? "stop"
-                                                       : "problem");
-  add_order(program, StepKind::kLast);
-  if (parts_.asks == Asks::kWhere) return program.then(StepKind::kInsteadWhere);
-  if (main_.has("next") || main_.has_words({"right", "after"}))
-    return program.then(StepKind::kInsteadNext);
-  if (parts_.asks == Asks::kWhether) {
-    std::string skills = skills_of(main_);
-    // The verb that was stopped is no verb of what would have been.
-    if (skills.empty()) return program.then(StepKind::kInstead);
-    return program.then(StepKind::kInsteadHas, std::move(skills));
-  }
-  return program.then(StepKind::kInstead);
-}
 
 GrammarRules::Found GrammarRules::who() {
   if (parts_.asks != Asks::kWho) return {};
@@ -145,16 +82,14 @@ GrammarRules::Found GrammarRules::why() {
   if (!main_.has_verb() && skills_of(main_).empty()) {
     // Why something is where it is: because of who put it there, or drove there.
     if (!is_somewhere || (thing().empty() && main_.places.empty())) {
-      const SkillVerb* pick = verb_of_skill("pick");
-      const bool is_touched =
-          main_.has_any({"touch", "handle", "manipulate"}) && !thing().empty() && pick != nullptr;
-      if (is_touched && !lexicon_.skills_of(*pick).empty())
-        program.with(FilterKey::kSkill, lexicon_.skills_of(*pick));
+      const std::string pick_skills = skills_called({"pick"});
+      const bool is_touched = main_.has_any({"touch", "handle", "manipulate"}) && !thing().empty();
+      if (is_touched && !pick_skills.empty())
+        program.with(FilterKey::kSkill, pick_skills);
       else if (!parts_.times.at || !main_.has("do"))
         return {};
-    } else if (const SkillVerb* verb = verb_of_skill(thing().empty() ? "drive" : "place")) {
-      const std::string skills = lexicon_.skills_of(*verb);
-      if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+    } else {
+      add_skills(program, {thing().empty() ? "drive" : "place"});
     }
   }
   add_order(program, StepKind::kLast);
@@ -208,10 +143,7 @@ GrammarRules::Found GrammarRules::when() {
   Program program = executions();
   if (!asks_about_attempts() && asks_about_success()) program.with(FilterKey::kOutcome, "success");
   // Who was at a place has driven there.
-  if (!main_.has_verb() && thing().empty() && !main_.places.empty())
-    if (const SkillVerb* verb = verb_of_skill("drive"))
-      if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
-        program.with(FilterKey::kSkill, skills);
+  if (!main_.has_verb() && thing().empty() && !main_.places.empty()) add_skills(program, {"drive"});
   const bool is_end = main_.has_any({"finish", "end", "complete", "arrive", "reach"});
   add_order(program, main_.has_any({"start", "begin"}) && !main_.has_verb() ? StepKind::kFirst
                                                                             : StepKind::kLast);

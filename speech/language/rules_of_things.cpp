@@ -12,10 +12,15 @@ GrammarRules::Found GrammarRules::where() {
       (parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhether) &&
       (main_.has_words({"look", "for"}) || main_.has_words({"looking", "for"}) ||
        (main_.has("not") && main_.has_any({"find", "see"})) || main_.has_any({"search", "lose"}));
-  if (parts_.asks != Asks::kWhere && !is_noun && !is_lost) return {};
+  // "What did you put the salt on?"
+  const std::string last = main_.words.back().text;
+  const bool is_onto = parts_.asks == Asks::kWhat && main_.has_verb() && !thing().empty() &&
+                       main_.places.empty() && is_of_robot() &&
+                       (last == "on" || last == "onto" || last == "from" || last == "off");
+  if (parts_.asks != Asks::kWhere && !is_noun && !is_lost && !is_onto) return {};
   // Where it should have been, and where somebody was oftener, is not where it is.
   if (main_.has_any({"supposed", "meant", "intend", "often"}) && !asks_about_stop()) return {};
-  const SkillVerb* taking = verb_of_skill("pick");
+  const std::string taking_skills = skills_called({"pick"});
   // "Where had it been standing before?": from where it was taken.
   // Where it was before it was moved is from where it was taken then.
   if (!thing().empty() && parts_.beside && parts_.beside->link == ClauseLink::kBefore &&
@@ -23,19 +28,18 @@ GrammarRules::Found GrammarRules::where() {
       main_.has_any({"be", "been", "stand", "lie", "sit"}) &&
       parts_.beside->parts.has_any(
           {"move", "take", "grab", "pick", "grasp", "lift", "get", "touch", "handle"}) &&
-      parts_.times.empty() && taking != nullptr && !lexicon_.skills_of(*taking).empty()) {
+      parts_.times.empty() && !taking_skills.empty()) {
     Program program{ProgramSource::kExecutions, {}, {}};
-    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    program.with(FilterKey::kSkill, taking_skills);
     add_thing(program);
     program.then(parts_.beside->parts.has("first") ? StepKind::kFirst : StepKind::kLast);
     return program.then(StepKind::kWhere);
   }
   if (!thing().empty() && main_.has("before") && main_.has("had") &&
       main_.has_any({"be", "been", "stand", "lie", "sit"}) && !main_.has_verb() &&
-      parts_.times.empty() && !parts_.beside && taking != nullptr &&
-      !lexicon_.skills_of(*taking).empty()) {
+      parts_.times.empty() && !parts_.beside && !taking_skills.empty()) {
     Program program{ProgramSource::kExecutions, {}, {}};
-    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    program.with(FilterKey::kSkill, taking_skills);
     add_thing(program);
     return program.then(StepKind::kLast).then(StepKind::kWhere);
   }
@@ -61,23 +65,21 @@ GrammarRules::Found GrammarRules::where() {
     return program.then(StepKind::kWhere);
   }
   // "Where has the salt gone?", "Where does the salt come from?"
-  const SkillVerb* going = verb_of_skill("drive");
-  if (!thing().empty() && !is_of_robot() && going != nullptr &&
-      skills == lexicon_.skills_of(*going)) {
+  const std::string going_skills = skills_called({"drive"});
+  if (!thing().empty() && !is_of_robot() && !skills.empty() && skills == going_skills) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
-    const SkillVerb* pick = verb_of_skill("pick");
-    if (main_.has("from") && pick != nullptr && !lexicon_.skills_of(*pick).empty()) {
+    const std::string pick_skills = skills_called({"pick"});
+    if (main_.has("from") && !pick_skills.empty()) {
       program.source = ProgramSource::kExecutions;
-      program.with(FilterKey::kSkill, lexicon_.skills_of(*pick));
+      program.with(FilterKey::kSkill, pick_skills);
       return program.then(StepKind::kLast).then(StepKind::kWhere);
     }
     // Where it went after it was picked up is where it was placed then.
-    const SkillVerb* place = verb_of_skill("place");
-    if (parts_.beside && parts_.beside->link == ClauseLink::kAfter && place != nullptr &&
-        !lexicon_.skills_of(*place).empty()) {
+    const std::string place_skills = skills_called({"place"});
+    if (parts_.beside && parts_.beside->link == ClauseLink::kAfter && !place_skills.empty()) {
       program.source = ProgramSource::kExecutions;
-      program.with(FilterKey::kSkill, lexicon_.skills_of(*place));
+      program.with(FilterKey::kSkill, place_skills);
       add_times(program);
       return program.then(StepKind::kFirst).then(StepKind::kWhere);
     }
@@ -86,8 +88,8 @@ GrammarRules::Found GrammarRules::where() {
   }
   if (!skills.empty()) {
     Program program = executions();
-    const SkillVerb* drive = verb_of_skill("drive");
-    const bool is_drive = drive != nullptr && skills == lexicon_.skills_of(*drive);
+    const std::string drive_skills = skills_called({"drive"});
+    const bool is_drive = !skills.empty() && skills == drive_skills;
     if (main_.has("from") && is_drive && main_.places.empty()) {
       add_order(program, StepKind::kLast);
       return program.then(StepKind::kFrom);
@@ -137,7 +139,8 @@ GrammarRules::Found GrammarRules::on_place() {
   if (asks_about_sight()) return seeing();
   const bool is_there =
       main_.has_any({"be", "stand", "lie", "sit", "there", "lay", "keep", "have"});
-  const bool is_named = main_.has_any({"thing", "object", "item"}) && main_.has("on");
+  const bool is_named =
+      (main_.has_any({"thing", "object", "item"}) && main_.has("on")) || main_.has("hold");
   if (main_.places.empty() || (!is_there && !is_named) || main_.has("you") || main_.has_verb() ||
       main_.has("happen") ||
       (main_.has("do") && !(main_.has("have") && main_.has_any({"i", "we"}))))
@@ -170,16 +173,17 @@ GrammarRules::Found GrammarRules::seeing() {
 
 /// Whether the robot was at a place.
 GrammarRules::Found GrammarRules::robot_at() {
-  if (main_.places.empty() || !is_of_robot() || main_.has_verb() || !thing().empty() ||
-      !main_.has_any({"be", "stand", "stay", "there"}))
+  const bool is_of_position =
+      is_of_robot() ||
+      (main_.has("your") && main_.has_any({"position", "location", "whereabouts"}));
+  if (main_.places.empty() || !is_of_position || main_.has_verb() || !thing().empty() ||
+      !(main_.has_any({"be", "stand", "stay", "there"}) || parts_.times.at))
     return {};
   const bool has_moment = parts_.times.at || parts_.beside || parts_.times.is_now ||
                           main_.has_any({"is", "are", "still", "currently"});
   if (!has_moment) {
     Program program = executions();
-    if (const SkillVerb* verb = verb_of_skill("drive"))
-      if (const std::string skills = lexicon_.skills_of(*verb); !skills.empty())
-        program.with(FilterKey::kSkill, skills);
+    add_skills(program, {"drive"});
     return program.then(StepKind::kExists);
   }
   Program program{ProgramSource::kRobot, {}, {}};

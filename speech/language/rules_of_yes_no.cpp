@@ -247,20 +247,15 @@ GrammarRules::Found GrammarRules::whether_asked() {
 
 /// Whether a thing is somewhere, in sight or in a hand.
 GrammarRules::Found GrammarRules::whether_of_thing() {
-  const bool is_anything =
-      main_.has_any({"anything", "something", "thing", "object", "empty", "nothing", "full"});
+  const bool is_anything = main_.has_any(
+      {"anything", "something", "thing", "object", "item", "empty", "nothing", "full"});
   const bool is_moved =
       !thing().empty() && (main_.has("move") || main_.has("shift")) && main_.places.empty();
   if (is_moved) {
     Program program = executions();
     std::erase_if(program.filters,
                   [](const ProgramFilter& filter) { return filter.key == FilterKey::kSkill; });
-    std::string skills;
-    for (const char* name : {"pick", "place"})
-      if (const SkillVerb* verb = verb_of_skill(name))
-        if (const std::string known = lexicon_.skills_of(*verb); !known.empty())
-          skills += (skills.empty() ? "" : ",") + known;
-    if (!skills.empty()) program.with(FilterKey::kSkill, skills);
+    add_skills(program, {"pick", "place"});
     program.with(FilterKey::kOutcome, "success");
     return program.then(StepKind::kExists);
   }
@@ -270,11 +265,10 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
   // "Have you had the salt in your hand today?" is of all that time: what was held was picked up.
   const bool is_past = !parts_.times.at && !parts_.beside && !parts_.times.is_now &&
                        (main_.has("did") || main_.has_words({"have", "you"}));
-  const SkillVerb* taking = verb_of_skill("pick");
-  if (asks_about_holding() && is_past && !thing().empty() && taking != nullptr &&
-      !lexicon_.skills_of(*taking).empty()) {
+  const std::string taking_skills = skills_called({"pick"});
+  if (asks_about_holding() && is_past && !thing().empty() && !taking_skills.empty()) {
     Program program = executions();
-    program.with(FilterKey::kSkill, lexicon_.skills_of(*taking));
+    program.with(FilterKey::kSkill, taking_skills);
     return program.with(FilterKey::kOutcome, "success").then(StepKind::kExists);
   }
   if (asks_about_holding() || is_of_empty_hand) {
@@ -306,9 +300,9 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
     return program.then(StepKind::kExists);
   }
   const bool is_of_thing = !thing().empty() || is_anything;
-  if (!is_of_thing || main_.places.empty() || main_.has("you") ||
-      !main_.has_any({"be", "stand", "lie", "there", "sit"}))
-    return {};
+  const bool is_there =
+      main_.has_any({"be", "stand", "lie", "there", "sit", "have", "rest"}) || main_.has("on");
+  if (!is_of_thing || main_.places.empty() || main_.has("you") || !is_there) return {};
   // Whether it ever was somewhere is no question about now.
   if (main_.has("ever")) return {};
   Program program{ProgramSource::kThings, {}, {}};

@@ -153,6 +153,7 @@ bool GrammarRules::is_of_who_is_asked(const Program& program) const {
   const bool is_of_words =
       program.source == ProgramSource::kWords || program.source == ProgramSource::kPlans ||
       main_.has("would") || has_filter(program, FilterKey::kSpeaker) ||
+      (asks_about_stop() && is_of_robot()) ||
       has_program_step(program, {StepKind::kWho, StepKind::kWhoStopped, StepKind::kSaid,
                                  StepKind::kWhy, StepKind::kReason});
   const auto& words = main_.words;
@@ -212,7 +213,10 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
   if (main_.has_any({"never", "except", "besides", "both"})) return false;
   if (main_.has("on_purpose") || main_.has("always") || main_.has_words({"all", "the", "time"}))
     return false;
-  if (is_whether && main_.has_any({"because", "where"})) return false;
+  const bool is_of_state =
+      program.source == ProgramSource::kThings || program.source == ProgramSource::kRobot;
+  if (is_whether && main_.has("because") && !asks_about_stop()) return false;
+  if (is_whether && main_.has("where") && !is_of_state) return false;
   if (parts_.asks == Asks::kWhy && main_.has_any({"before", "after", "than"})) return false;
   if (main_.has("twice") && parts_.asks != Asks::kWhy) return false;
   if (main_.has_words({"instead", "of"}) || main_.has_words({"apart", "from"}) ||
@@ -304,6 +308,10 @@ bool GrammarRules::endings_are_said(const Program& program) const {
 }
 
 bool GrammarRules::says_all(const Program& program) const {
+  // What would have been is told by the plan, however it is denied and bounded.
+  if (has_program_step(program, {StepKind::kInstead, StepKind::kInsteadHas, StepKind::kInsteadNext,
+                                 StepKind::kInsteadWhere}))
+    return names_are_said(program);
   return endings_are_said(program) && names_are_said(program) && is_of_who_is_asked(program) &&
          bounds_are_said(program) && verbs_are_said(program);
 }

@@ -8,6 +8,12 @@
 
 namespace engram::speech {
 
+const SkillVerb* verb_with_lemma(std::string_view lemma) {
+  for (const SkillVerb& verb : skill_verbs())
+    if (has_lemma(verb, lemma)) return &verb;
+  return nullptr;
+}
+
 namespace {
 
 /// Correcting costs a comparison with all words that are known.
@@ -37,12 +43,6 @@ bool has_same_letters(std::string a, std::string b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
   return a == b;
-}
-
-const SkillVerb* verb_with_lemma(const std::string& lemma) {
-  for (const SkillVerb& verb : skill_verbs())
-    if (has_lemma(verb, lemma)) return &verb;
-  return nullptr;
 }
 
 /// To find and to spot is to see, and to drop is no way of placing.

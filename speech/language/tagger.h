@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "speech/language/lexicon.h"
@@ -50,6 +51,9 @@ class Tagger {
   [[nodiscard]] virtual std::vector<TaggedWord> tag(const std::vector<QuestionWord>& words,
                                                     const Lexicon& lexicon) const = 0;
 };
+
+/// The verb that has this base form; null: none.
+[[nodiscard]] const SkillVerb* verb_with_lemma(std::string_view lemma);
 
 /// A tagger of word lists and of the names that a memory has. It corrects what is one letter off:
 /// in longer words, and more carefully where a name may stand, because "bread" is no "break".
