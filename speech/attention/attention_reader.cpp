@@ -24,10 +24,11 @@ class AttentionReader final : public QuestionReader {
     if (asked->input.words.empty()) return std::optional<ReadProgram>();
     ENGRAM_ASSIGN_OR_RETURN(const AttentionScores scores, network_->attend(asked->input));
     auto chosen = choose_program(scores, asked->groups, asked->names, asked->words.times);
-    if (!chosen || chosen->confidence < network_->min_confidence())
-      return std::optional<ReadProgram>();
-    const bool is_sure = chosen->confidence >= network_->sure_confidence();
-    return std::optional(ReadProgram{std::move(chosen->program), chosen->confidence, is_sure});
+    if (!chosen) return std::optional<ReadProgram>();
+    const double confidence = chosen->confidence;
+    return std::optional(ReadProgram{std::move(chosen->program), confidence,
+                                     confidence >= network_->min_confidence(),
+                                     confidence >= network_->sure_confidence()});
   }
 
  private:

@@ -55,22 +55,6 @@ Status Asker::refresh() {
   return {};
 }
 
-/// `is_read`: a rule of the grammar reads it, too.
-Result<std::optional<Answer>> Asker::ask_reader(std::string_view question, Time now, bool is_read) {
-  if (options_.reader == nullptr) return std::optional<Answer>();
-  ENGRAM_ASSIGN_OR_RETURN(const auto read, options_.reader->read(question, *facts_, *lexicon_,
-                                                                 *tagger_, now, options_.zone));
-  if (!read || (is_read && !read->is_sure)) return std::optional<Answer>();
-  auto answer = ask_program(read->program, now);
-  // Times that make no sense at this moment: it was read wrongly.
-  if (!answer.ok() && answer.status().code() == StatusCode::kInvalidArgument)
-    return std::optional<Answer>();
-  ENGRAM_RETURN_IF_ERROR(answer.status());
-  answer->route = options_.reader->route();
-  answer->confidence = read->confidence;
-  return std::optional(*std::move(answer));
-}
-
 Result<Answer> Asker::ask_parsed(ParsedQuestion parsed, Time now) {
   auto executed = parsed.program ? ask_program(*parsed.program, now) : Result<Answer>(Answer());
   // Times that make no sense at this moment are the question's fault: "from now to 8:00".
@@ -88,22 +72,37 @@ Result<Answer> Asker::ask_parsed(ParsedQuestion parsed, Time now) {
   return executed;
 }
 
+Result<Answer> Asker::ask_both(std::string_view question, ParsedQuestion parsed, Time now) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto read, options_.reader->read(question, *facts_, *lexicon_,
+                                                                 *tagger_, now, options_.zone));
+  const bool is_by_rule = parsed.program && !parsed.is_unread;
+  if (!read || (!is_by_rule && !read->is_told)) return ask_parsed(std::move(parsed), now);
+  auto answer = ask_program(read->program, now);
+  // Times that make no sense at this moment: it was read wrongly.
+  if (!answer.ok() && answer.status().code() == StatusCode::kInvalidArgument)
+    return ask_parsed(std::move(parsed), now);
+  ENGRAM_RETURN_IF_ERROR(answer.status());
+  answer->route = options_.reader->route();
+  answer->confidence = read->confidence;
+  if (!is_by_rule || read->is_sure) return answer;
+  ENGRAM_ASSIGN_OR_RETURN(Answer by_rule, ask_parsed(std::move(parsed), now));
+  if (by_rule.value == answer->value) return by_rule;
+  return ask_parsed(unread_question(), now);
+}
+
 Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
   const SteadyTime began = steady_now();
   ParsedQuestion parsed = route == AskRoute::kReader
                               ? unread_question()
                               : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
-  std::optional<Answer> answer;
   // What is known to be nothing that a memory answers needs no other reader.
-  if ((parsed.program || parsed.is_unread) && route != AskRoute::kProgram) {
-    ENGRAM_ASSIGN_OR_RETURN(answer, ask_reader(question, now, !parsed.is_unread));
-  }
-  if (!answer) {
-    ENGRAM_ASSIGN_OR_RETURN(answer, ask_parsed(std::move(parsed), now));
-  }
-  answer->question = shown_question(question);
-  answer->took_ms = to_seconds(steady_now() - began) * 1e3;
-  return *std::move(answer);
+  const bool asks_both = options_.reader != nullptr && route != AskRoute::kProgram &&
+                         (parsed.program || parsed.is_unread);
+  ENGRAM_ASSIGN_OR_RETURN(Answer answer, asks_both ? ask_both(question, std::move(parsed), now)
+                                                   : ask_parsed(std::move(parsed), now));
+  answer.question = shown_question(question);
+  answer.took_ms = to_seconds(steady_now() - began) * 1e3;
+  return answer;
 }
 
 Result<Answer> Asker::ask_program(const Program& program, Time now) {

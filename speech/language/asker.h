@@ -79,7 +79,7 @@ class Asker {
  private:
   Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
 
-  Result<std::optional<Answer>> ask_reader(std::string_view question, Time now, bool is_read);
+  Result<Answer> ask_both(std::string_view question, ParsedQuestion parsed, Time now);
   Result<Answer> ask_parsed(ParsedQuestion parsed, Time now);
 
   std::unique_ptr<KnownFacts> facts_;

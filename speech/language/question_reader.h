@@ -16,6 +16,7 @@ namespace engram::speech {
 struct ReadProgram {
   Program program;
   double confidence = 0;  ///< 0..1: that it was read rightly.
+  bool is_told = false;   ///< Sure enough to be told where the grammar reads nothing.
   /// So sure that it counts more than a rule of the grammar, which may have passed over what
   /// matters.
   bool is_sure = false;
@@ -31,7 +32,8 @@ class QuestionReader {
   /// What an answer calls it: "attention".
   [[nodiscard]] virtual std::string_view route() const = 0;
 
-  /// Nothing: it does not read the question, or is not sure of it. Errors: those of Memory::query.
+  /// Nothing: it reads no program, or that nothing of the memory answers the question.
+  /// Errors: those of Memory::query.
   virtual Result<std::optional<ReadProgram>> read(std::string_view question, KnownFacts& facts,
                                                   const Lexicon& lexicon, const Tagger& tagger,
                                                   Time now, DayZone zone) = 0;

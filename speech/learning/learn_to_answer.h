@@ -19,11 +19,11 @@ struct LearnOptions {
   uint64_t seed = 1;
   /// A network whose weights it starts from, if it is there and of this version; empty: none.
   std::filesystem::path start{};
-  /// Of what is told, so much is right on wordings that were held out: the least confidence follows
+  /// Of what is told, so much is right of what was held out: the least confidence follows
   /// from it.
-  double min_right = 0.95;
+  double min_right = 0.9;
   /// The same of what counts more than rules of the grammar.
-  double sure_right = 0.98;
+  double sure_right = 0.95;
 
   [[nodiscard]] Status validate() const;
 };

@@ -200,9 +200,11 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
   EXPECT_EQ(answer_of(kUnread, -5, AskRoute::kAuto).route, "none");
   EXPECT_EQ(answer_of(kUnread, -0.1, AskRoute::kProgram).route, "none");
   EXPECT_EQ(answer_of("What will you do tomorrow?", -0.1, AskRoute::kAuto).route, "none");
-  // A rule of the grammar counts more than what it is not very sure of.
-  EXPECT_EQ(answer_of("What did you do?", -0.1, AskRoute::kAuto).route, "program");
+  // Both read it as something else, and only what is sure counts more than a rule.
+  EXPECT_EQ(answer_of("What did you do?", -0.1, AskRoute::kAuto).route, "none");
   EXPECT_EQ(answer_of("What did you do?", -0.01, AskRoute::kAuto).route, "attention");
+  EXPECT_EQ(answer_of("How many things did you do in total?", -0.1, AskRoute::kAuto).route,
+            "program");
   EXPECT_EQ(answer_of("Did you do anything?", -0.1, AskRoute::kReader).route, "attention");
 }
 
