@@ -74,6 +74,14 @@ constexpr std::string_view kBeforeQuestionWords[] = {
     "i think|hear|see",
 };
 
+/// What asks somebody to tell in one of these words.
+constexpr std::string_view kBeforeTelling[] = {
+    "please|kindly? can|could|would|will you please|kindly|just|quickly?",
+};
+constexpr std::array<std::string_view, 11> kTelling{"describe", "summarise", "summarize", "summary",
+                                                    "recap",    "enumerate", "list",      "name",
+                                                    "count",    "walk",      "take"};
+
 /// What asks whether something is so.
 constexpr std::string_view kWhetherBeginnings[] = {
     "please|kindly|just? can|could|would|will? you? please|kindly|just? "
@@ -83,6 +91,9 @@ constexpr std::string_view kWhetherBeginnings[] = {
     "am i right|correct|mistaken in? thinking|assuming|believing? that",
     "is there any|some truth in",
     "i believe|think|guess|suppose|assume|suspect|hope|fear that",
+    "somebody|someone|they|people says|said|say|told|claims|claim me|us? that?",
+    "i have|had the feeling|impression|suspicion that?",
+    "i was|am told that?",
     "can i|we tell|assume|say that? my? boss|wife|husband|family|mother? that",
 };
 
@@ -103,6 +114,7 @@ bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
     erase_words(words, at, count);
     words.insert(words.begin() + static_cast<ptrdiff_t>(at),
                  QuestionWord{"whether", "whether", true, false, false});
+    words[at + 1].begins_sentence = false;
     return true;
   }
   size_t count = kPlain.count_at(words, at);
@@ -112,6 +124,12 @@ bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
   const size_t before = kBeforeQuestion.count_at(words, at);
   if (before > count && at + before < words.size() && begins_question(words[at + before].text))
     count = before;
+  static const WordPatterns kTold(kBeforeTelling);
+  const size_t telling = kTold.count_at(words, at);
+  if (telling > count && at + telling + 1 < words.size() &&
+      std::find(kTelling.begin(), kTelling.end(), words[at + telling].text) != kTelling.end() &&
+      (words[at + telling].text != "take" || words[at + telling + 1].text == "me"))
+    count = telling;
   if (count == 0 || at + count >= words.size()) return false;
   erase_words(words, at, count);
   words[at].begins_sentence = true;

@@ -166,6 +166,35 @@ bool is_request(const QuestionParts& parts) {
          is_among_words(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});
 }
 
+/// A name that nothing has in the sentences before, where the question is about it: "And the honey?
+/// When did you move that?", "Chen was here. What were you told?"
+std::optional<StrangeName> strange_name_told(const QuestionParts& parts) {
+  const bool is_of_told = parts.main.has_any({"it", "that", "them", "one", "there", "this"});
+  for (size_t at = 0; at < parts.told.size(); ++at) {
+    const TaggedWord& word = parts.told[at];
+    if (word.tag != WordTag::kUnknown) continue;
+    const std::string before = at > 0 ? parts.told[at - 1].text : "";
+    const std::string after = at + 1 < parts.told.size() ? parts.told[at + 1].text : "";
+    if (word.is_capital && is_among_words(after, {"was", "is", "says", "said", "told", "asked",
+                                                  "had", "wanted", "has", "wants"}))
+      return StrangeName{word.text, FilterKey::kSpeaker};
+    if (is_of_told && is_among_words(before, {"the", "my", "our"}))
+      return StrangeName{word.text, FilterKey::kThing};
+  }
+  return {};
+}
+
+/// "The milk is on the table.", "What a mess!": whoever says so asks nothing.
+bool is_statement(const QuestionParts& parts) {
+  const auto& words = parts.main.words;
+  if (words.front().text == "what" && words.size() > 1 && words[1].text == "a") return true;
+  return parts.asks == Asks::kWhether && !parts.main.has("i") &&
+         !is_among_words(words.front().text,
+                         {"whether", "if",  "did",      "do",  "does", "have", "has",
+                          "had",     "is",  "are",      "was", "were", "can",  "could",
+                          "would",   "any", "anything", "so",  "and",  "ever"});
+}
+
 constexpr const char* kCannotRead =
     "I am sorry, I do not understand the question. I can tell what I did, saw and was told, "
     "when, where and why.";
@@ -213,6 +242,10 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
       ++passed_over;
     }
   }
+  if (const auto strange = strange_name_told(parts))
+    return {program_of(*strange), {}, confidence / 2, false};
+  if (in_words->is_stated && !in_words->is_indirect && is_statement(parts))
+    return unread_question();
   if (asks_for_future(parts))
     return refused("I am sorry, I can tell what was and what is, but not what will be.");
   if (is_request(parts))

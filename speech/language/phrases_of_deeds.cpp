@@ -369,6 +369,17 @@ constexpr Phrase kPhrasesOfDeeds[] = {
     {"led where", "where"},
     {"leads where", "where"},
     {"whither", "where"},
+    {"one after the? other|another", ""},
+    {"again and again", "often"},
+    {"over and over", "often"},
+    {"which|what skills|skill were|was executed|performed", "what did you do"},
+    {"well done", "thanks"},
+    {"first place you", "first where you"},
+    {"last place you", "last where you"},
+    {"places|place to which", "where"},
+    {"of all? the? places you", "where you"},
+    {"idle or busy", "busy"},
+    {"any success at|in the end", "eventually"},
 };
 
 }  // namespace

@@ -123,6 +123,9 @@ constexpr Phrase kPhrasesOfThings[] = {
     {"your presence at|in|near", "you were at"},
     {"in motion", "moving"},
     {"have|has|had|having got? on top of it", "be on"},
+    {"change|changed|changes its|the? position|place|location|spot|places", "moved"},
+    {"any change of location|place|position|spot for", "was moved"},
+    {"go|went|gone someplace|somewhere else", "moved"},
 };
 
 }  // namespace

@@ -67,8 +67,9 @@ size_t end_of_clause(const TaggedWords& words, size_t begin) {
 bool asks_of_other(const TaggedWords& words) {
   bool is_asking = false;
   for (const TaggedWord& word : words) {
+    const Asks asks = asked_by(words, static_cast<size_t>(&word - words.data()));
     const bool is_little =
-        word.tag == WordTag::kFiller || word.tag == WordTag::kUnknown ||
+        asks != Asks::kNothing || word.tag == WordTag::kFiller || word.tag == WordTag::kUnknown ||
         is_word(word,
                 {"it",    "that",   "this",     "them",     "those",      "these",    "one",
                  "ones",  "so",     "first",    "last",     "then",       "of",       "all",
@@ -204,7 +205,20 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
   const bool is_plural = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
     return is_word(word, {"objects", "things", "items"});
   });
-  if (has_thing_word && !is_told && (has_deed || (has_place && is_plural))) return Asks::kWhich;
+  const bool is_counted = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return is_word(word, {"count", "number", "altogether", "with"});
+  });
+  // "Last command received?"
+  const bool is_of_order = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return is_word(word, {"command", "order", "request", "instruction", "task"});
+  });
+  if (is_of_order && !is_told &&
+      std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+        return is_word(word, {"first", "last", "latest"});
+      }))
+    return Asks::kWhat;
+  if (has_thing_word && !is_counted && !is_told && (has_deed || (has_place && is_plural)))
+    return Asks::kWhich;
   // "The salt on the table?", "An object on the counter?"
   const bool has_thing =
       has_thing_word || std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
@@ -315,7 +329,6 @@ ClauseParts::ClauseParts(std::vector<TaggedWord> of) : words(std::move(of)) {
         lemmas.insert(word.lemma);
         break;
       case WordTag::kUnknown:
-        unknown.push_back(&word);
         break;
       default:
         lemmas.insert(word.lemma);
@@ -350,7 +363,9 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
   // "You were at the table. Why?" asks of the sentence before.
   size_t told = asking;
   std::optional<Asks> asked;
-  if (asking > 0 && (asks_of_other(main) || main.size() == 1)) {
+  const auto is_of_asker = [](const TaggedWord& word) { return is_word(word, {"i", "we"}); };
+  if (asking > 0 && (asks_of_other(main) || main.size() == 1) &&
+      !is_of_asker(sentences[asking - 1].front())) {
     asked = asked_for(main, is_indirect);
     told = asking - 1;
     main.insert(main.begin(), sentences[told].begin(), sentences[told].end());
@@ -375,13 +390,26 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
       }
   auto beside = take_clause(main);
   const Asks asks = main.empty() ? Asks::kNothing : asked ? *asked : asked_for(main, is_indirect);
-  if (beside && beside->link == ClauseLink::kWhile && asks_of_clause(main, asks)) {
+  const auto has_same_verb = [&] {
+    return std::any_of(main.begin(), main.end(), [&](const TaggedWord& word) {
+      const auto& verbs = beside->parts.verbs;
+      return word.verb != nullptr &&
+             std::any_of(verbs.begin(), verbs.end(),
+                         [&](const TaggedWord* verb) { return verb->verb == word.verb; });
+    });
+  };
+  // "How far did you drive when you went to the table?" asks of one drive.
+  const bool is_of_amount = asks == Asks::kHowFar || asks == Asks::kHowLong;
+  if (beside && beside->link == ClauseLink::kWhile &&
+      (asks_of_clause(main, asks) || (is_of_amount && has_same_verb()))) {
     main.insert(main.end(), beside->parts.words.begin(), beside->parts.words.end());
     beside.reset();
   }
   QuestionParts parts(asks, ClauseParts(std::move(main)));
   if (beside) parts.beside.emplace(std::move(*beside));
   parts.times = std::move(times);
+  for (size_t i = 0; i < sentences.size(); ++i)
+    if (i != asking) parts.told.insert(parts.told.end(), sentences[i].begin(), sentences[i].end());
   for (size_t i = 0; i < sentences.size(); ++i)
     if (i != asking && i != told)
       for (const TaggedWord& word : sentences[i])

@@ -42,7 +42,6 @@ struct ClauseParts {
   std::vector<std::string> hands;
   std::vector<const TaggedWord*> verbs;  ///< Of skills.
   std::vector<std::string> skills;       ///< Skills that are called by their names.
-  std::vector<const TaggedWord*> unknown;
 
   explicit ClauseParts(std::vector<TaggedWord> of);
   ClauseParts(const ClauseParts& other) : ClauseParts(other.words) {}
@@ -73,6 +72,7 @@ struct QuestionParts {
   std::optional<SubordinateClause> beside;
   std::set<std::string> context;         ///< Things of the sentences before, for "it" and "that".
   std::set<std::string> context_lemmas;  ///< What they tell of: "Suppose you had not stopped."
+  std::vector<TaggedWord> told;          ///< The words of the sentences before and after.
   AskedTimes times;
 
   QuestionParts(Asks asked, ClauseParts clause) : asks(asked), main(std::move(clause)) {}

@@ -196,8 +196,8 @@ GrammarRules::Found GrammarRules::which() {
   }
   if (is_superlative() && !main_.has_any({"object", "item"})) return {};
   if (asks_about_failure() || asks_about_stop()) {
-    const bool is_thing = main_.has_any({"object", "item"}) ||
-                          (main_.has("thing") && main_.has_verb() && is_of_robot());
+    const bool is_thing =
+        main_.has_any({"object", "item"}) || (main_.has("thing") && main_.has_verb());
     const bool is_what_verbed = parts_.asks == Asks::kWhat && main_.has_verb() &&
                                 skills_of(main_).size() > 0 && thing().empty();
     if (!is_thing && !is_what_verbed) return {};

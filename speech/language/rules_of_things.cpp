@@ -155,7 +155,9 @@ GrammarRules::Found GrammarRules::on_place() {
 GrammarRules::Found GrammarRules::seeing() {
   Program program{ProgramSource::kThings, {}, {}};
   add_places(program);
-  const bool is_present = is_of_present() || main_.has_any({"visible", "sight", "can"});
+  const bool is_past = main_.has_any({"did", "have", "has", "had", "was", "were", "been"});
+  const bool is_present = is_of_present() || main_.has_any({"visible", "sight", "can"}) ||
+                          (has_text("see") && !is_past);
   if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
     add_moment(program);
     program.with(FilterKey::kVisible, "yes");

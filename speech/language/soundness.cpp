@@ -69,12 +69,13 @@ bool compares_itself(const Program& program) {
 /// Whether a word says in which way something was done: "gently".
 bool is_manner(const std::string& word) {
   return word.size() > 4 && word.ends_with("ly") &&
-         !is_one_of(word, {"really",     "actually",   "currently",   "recently",   "previously",
-                           "finally",    "eventually", "possibly",    "probably",   "successfully",
-                           "apparently", "lately",     "originally",  "physically", "personally",
-                           "certainly",  "definitely", "immediately", "directly",   "supposedly",
-                           "presently",  "smoothly",   "perfectly",   "early",      "correctly",
-                           "badly"});
+         !is_one_of(word,
+                    {"really",     "actually",       "currently",   "recently",   "previously",
+                     "finally",    "eventually",     "possibly",    "probably",   "successfully",
+                     "apparently", "lately",         "originally",  "physically", "personally",
+                     "certainly",  "definitely",     "immediately", "directly",   "supposedly",
+                     "presently",  "unsuccessfully", "smoothly",    "perfectly",  "early",
+                     "correctly",  "badly"});
 }
 
 bool asks_which(const Program& program, std::string_view what) {
@@ -128,7 +129,7 @@ bool GrammarRules::is_beyond_programs() const {
   const bool is_would = main_.has("would") || main_.has("if");
   // Superlatives of counts, and that nothing else was done, are other questions, too.
   if (main_.has_any({"most", "least", "only", "except"}) && !is_would && !has_order()) return true;
-  if (is_list && main_.has_any({"not", "never"}) && !is_would && !asks_about_failure()) return true;
+  if (is_list && main_.has_any({"not", "never"}) && !is_would && !is_cut_off) return true;
   return false;
 }
 

@@ -130,7 +130,7 @@ TEST_F(Questions, AreAnsweredFromWhatCameSince) {
   EXPECT_EQ(to_json(answer_to("How often did you pick up the red cup?").value)["value"], 1);
 }
 
-TEST(Lexicon, HasNoNamesThatTheMemoryDoesNotHave) {
+TEST(QuestionsOfAnEmptyMemory, AreNotAnswered) {
   const ScratchDirectory scratch;
   auto memory = Memory::open(scratch.path() / "empty.engram");
   ASSERT_OK(memory);
