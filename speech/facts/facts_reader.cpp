@@ -62,7 +62,14 @@ Status FactsReader::refresh() {
   ENGRAM_RETURN_IF_ERROR(find_segments());
   for (auto& [id, segment] : segments_)
     if (is_rare(segment.kind)) ENGRAM_RETURN_IF_ERROR(read_segment(id, segment));
-  collect();
+  // Copying a life of executions for each question would take longer than to answer it.
+  if (!is_collected_) collect();
+  is_collected_ = true;
+  first_ = last_;
+  const auto begins = [this](Time time) { first_ = std::min(first_, time); };
+  if (!executions_.empty()) begins(executions_.front().started);
+  if (!words_.empty()) begins(words_.front().time);
+  if (!plans_.empty()) begins(plans_.front().time);
   return {};
 }
 
@@ -206,6 +213,7 @@ Status FactsReader::read_below(const ltm::MemoryId& prefix, Time from, Time to, 
 }
 
 void FactsReader::take(FactKind kind, const ltm::MemoryId& id, const idf::Data& value) {
+  is_collected_ = false;
   if (kind == FactKind::kExecution) execution_table_.add(id, value, world_);
   if (kind == FactKind::kRefusal) refusals_.push_back(read_refusal(id, value));
   if (kind == FactKind::kWords) words_.push_back(read_words(id, value));
@@ -236,11 +244,6 @@ void FactsReader::collect() {
   for (const TaskPlan& plan : plans_)
     for (const PlannedStep& step : plan.steps) skills.insert(step.skill);
   skills_.assign(skills.begin(), skills.end());
-  first_ = last_;
-  const auto begins = [this](Time time) { first_ = std::min(first_, time); };
-  if (!executions_.empty()) begins(executions_.front().started);
-  if (!words_.empty()) begins(words_.front().time);
-  if (!plans_.empty()) begins(plans_.front().time);
 }
 
 }  // namespace engram::speech

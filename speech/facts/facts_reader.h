@@ -65,6 +65,7 @@ class FactsReader {
 
   std::map<ltm::MemoryId, Segment> segments_;
   bool is_world_read_ = false;
+  bool is_collected_ = false;  ///< The lists have what was taken.
 };
 
 }  // namespace engram::speech

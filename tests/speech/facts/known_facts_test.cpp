@@ -32,6 +32,13 @@ TEST(KnownFacts, OfAnEmptyMemoryAreNone) {
   EXPECT_THAT((*facts)->executions(), IsEmpty());
   EXPECT_THAT((*facts)->world().things(), IsEmpty());
   EXPECT_EQ((*facts)->first_moment(), (*facts)->last_moment());
+  // What is no record of a deed moves both.
+  ASSERT_OK((*memory)->commit({{{*ltm::MemoryId::parse("RobotState/Power/robot/battery"),
+                                 second(1),
+                                 {{idf::Data(idf::Dict{{"charge", 0.5}}), {}}}}}}));
+  ASSERT_OK((*facts)->refresh());
+  EXPECT_EQ((*facts)->first_moment(), second(1));
+  EXPECT_EQ((*facts)->last_moment(), second(1));
 }
 
 TEST(KnownFacts, HaveEachExecutionOnceWithItsOutcome) {
