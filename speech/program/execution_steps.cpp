@@ -66,11 +66,7 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
       outcome_.value = answers::Moment{executions.back().ended.value_or(now_)};
       return {};
     case StepKind::kSpan:
-      outcome_.cite(executions.front());
-      outcome_.cite(executions.back());
-      if (!executions.back().ended) miss("it has not ended");
-      outcome_.value =
-          answers::Span{executions.front().started, executions.back().ended.value_or(now_)};
+      tell_span();
       return {};
     case StepKind::kHowLong:
       tell_how_long();
@@ -129,6 +125,18 @@ void ProgramRun::go_to_neighbour(int by) {
   outcome_.executions = std::vector<Execution>{**std::next(here, by)};
 }
 
+/// From the start of the first to the end of whichever ended last.
+void ProgramRun::tell_span() {
+  const std::vector<Execution>& executions = outcome_.executions;
+  const Execution* last = &executions.front();
+  for (const Execution& execution : executions)
+    if (execution.ended >= last->ended) last = &execution;
+  outcome_.cite(executions.front());
+  outcome_.cite(*last);
+  if (!executions.back().ended) miss("it has not ended");
+  outcome_.value = answers::Span{executions.front().started, last->ended.value_or(now_)};
+}
+
 void ProgramRun::tell_how_long() {
   Duration length{};
   for (const Execution& execution : outcome_.executions) {
@@ -151,7 +159,7 @@ Status ProgramRun::tell_how_far() {
   bool is_known = false;
   for (const Execution& execution : outcome_.executions) {
     ENGRAM_ASSIGN_OR_RETURN(const auto way,
-                            facts_.way_of_robot(execution.started, execution.ended.value_or(now_)));
+                            facts_.way_of_robot(execution.started, execution.latest_end()));
     if (!way) continue;
     is_known = true;
     length += way->length_m;

@@ -23,7 +23,7 @@ Time earlier(Time time, Duration by) {
 
 /// With what lies right before it, where it is a moment or little more.
 Period widened(Period period) {
-  if (earlier(period.to, kMaxSilence) <= period.from)
+  if (period.from <= period.to && earlier(period.to, kMaxSilence) <= period.from)
     period.from = earlier(period.from, kMaxSilence);
   return period;
 }

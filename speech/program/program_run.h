@@ -53,6 +53,7 @@ class ProgramRun {
 
   // Steps on executions (execution_steps.cpp, plan_steps.cpp).
   Status apply_to_executions(const ProgramStep& step);
+  void tell_span();
   void tell_how_long();
   Status tell_how_far();
   void tell_where_executed();

@@ -220,6 +220,9 @@ bool RecordFilter::has_outcome(const Execution& execution) const {
   if (outcome_ == "problem")
     return execution.outcome == ActionOutcome::kFailure ||
            execution.outcome == ActionOutcome::kStop;
+  // What was begun again since does not run, though no end of it is known.
+  if (outcome_ == "running")
+    return execution.outcome == ActionOutcome::kRunning && execution.latest_end() > facts_->now();
   if (outcome_ == "lost") return execution.outcome == ActionOutcome::kUnknown;
   return ltm::name_of(execution.outcome) == outcome_;
 }

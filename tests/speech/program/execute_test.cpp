@@ -249,6 +249,9 @@ TEST_F(Executing, KnowsNothingOfATimeWithoutRecords) {
             "unknown: the memory has no record of that time");
   EXPECT_EQ(value_of("executions at=2026-01-02/08:00 | exists"), "unknown: that time has not come");
   EXPECT_EQ(value_of("executions during=2026-01-02 | events"), "unknown: that time has not come");
+  EXPECT_EQ(value_of("executions after=08:00:20 before=08:00:10 | exists"),
+            "unknown: the memory has no record of that time");
+  EXPECT_EQ(value_of("executions after=(executions | last | ended) | events"), "[]");
   EXPECT_EQ(value_of("things held=yes at=07:00 | which=thing"),
             "unknown: the memory has no record of that time");
   EXPECT_EQ(value_of("things during=yesterday | which=thing"),
@@ -324,8 +327,10 @@ TEST_F(Executing, TakesNothingWithoutAnEndForGoingOnForEver) {
   ASSERT_OK(facts_->refresh());
   now_ = second(55, 1);
   EXPECT_EQ(value_of("executions at=now | which=skill"), R"(["pick"])");
+  EXPECT_EQ(value_of("executions outcome=running | exists"), "true");
   now_ = second(60, 2);
   EXPECT_EQ(value_of("executions at=now | events"), "[]");
+  EXPECT_EQ(value_of("executions outcome=running | exists"), "false");
   EXPECT_EQ(value_of("executions at=2026-01-02/12:00 | exists"),
             "unknown: the memory has no record of that time");
   // What was lost may have ended at any time before that was found out.
@@ -407,6 +412,9 @@ TEST_F(Executing, TellsTwoExecutionsThatRunInParallel) {
   ASSERT_OK(facts_->refresh());
   EXPECT_EQ(value_of("executions at=08:00:43 | which=skill"), R"(["pour","wipe"])");
   EXPECT_EQ(value_of("executions at=08:00:43 | how_many=hand"), "2");
+  EXPECT_EQ(
+      value_of("executions at=08:00:43 | span"),
+      R"({"kind":"span","from":"2026-01-01 08:00:40.000000","to":"2026-01-01 08:00:50.000000"})");
   // What began while it ran is no second attempt.
   EXPECT_EQ(value_of("executions skill=pour | first | retried"), "false");
   kitchen_.execute({.skill = "pour", .from = 46, .to = 47, .hand = "left"});
