@@ -428,6 +428,19 @@ constexpr Phrase kPhrasesOfAsking[] = {
     {"an? inventory of", "which"},
     {"which|what are they", "which"},
     {"which|what were they", "which"},
+    {"like|love the time of", "when"},
+    {"the? time of the robot|my|your?", "when"},
+    {"first|earliest time driving|moving|going|navigating|heading|travelling", "first driving"},
+    {"last|latest|most recent? time driving|moving|going|navigating|heading|travelling",
+     "last driving"},
+    {"get|find location|place|position|whereabouts of|for?", "where is"},
+    {"indicate|state your whereabouts", "where were you"},
+    {"would|might i|we|one have found|seen|met you", "were you"},
+    {"would|might i|we|one have found|seen|met", "was"},
+    {"would you have been", "were you"},
+    {"whereabouts would", "where would"},
+    {"why did not you", "why did you not"},
+    {"hands|hand which", "hand"},
 };
 
 }  // namespace

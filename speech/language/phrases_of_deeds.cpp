@@ -380,6 +380,15 @@ constexpr Phrase kPhrasesOfDeeds[] = {
     {"of all? the? places you", "where you"},
     {"idle or busy", "busy"},
     {"any success at|in the end", "eventually"},
+    {"in|on the move|go|transit", "driving"},
+    {"under way|motion", "driving"},
+    {"going someplace|somewhere", "driving"},
+    {"take|took|taken hold of", "picked up"},
+    {"idle|doing nothing", "idle"},
+    {"load|loaded|pile|piled|stack|stacked|dump|dumped|drop|deposit|deposited onto|on", "put on"},
+    {"have you left on", "did you put on"},
+    {"did you leave on", "did you put on"},
+    {"did you load", "did you put on"},
 };
 
 }  // namespace

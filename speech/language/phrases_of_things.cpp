@@ -126,6 +126,9 @@ constexpr Phrase kPhrasesOfThings[] = {
     {"change|changed|changes its|the? position|place|location|spot|places", "moved"},
     {"any change of location|place|position|spot for", "was moved"},
     {"go|went|gone someplace|somewhere else", "moved"},
+    {"is there the", "is there"},
+    {"among the things on|in", "on"},
+    {"of the things in view", "visible"},
 };
 
 }  // namespace

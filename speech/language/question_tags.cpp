@@ -80,15 +80,16 @@ void take_question_tags(std::vector<QuestionWord>& words) {
                         words[at].text == "or" || words[at].text == "yes";
     size_t count = begins ? kPatterns.count_at(words, at) : 0;
     if (count > 0 && !words[at + count - 1].ends_clause) count = 0;
-    const bool is_last =
-        at + count == words.size() || (count > 0 && words[at + count].begins_sentence);
+    const bool is_denied = count == 3 && words[at + 1].text == "not";
+    const bool is_last = at + count == words.size() ||
+                         (count > 0 && (is_denied || words[at + count].begins_sentence));
     if (count == 0 || !is_last) {
       ++at;
       continue;
     }
     // "It worked, didn't it, in the end": it may stand amid them.
     // "Did it?" behind a statement asks it; behind a question it says nothing.
-    is_asked = at + count == words.size();
+    is_asked = at + count == words.size() || !words[at + count].begins_sentence;
     erase_words(words, at, count);
   }
   if (is_asked) ask_whether(words);

@@ -267,7 +267,10 @@ GrammarRules::Found GrammarRules::what() {
                            (main_.has("your") && main_.has_any({"was", "were"}) &&
                             !main_.has("you") && !parts_.times.at) ||
                            ((has_order() || !main_.persons.empty()) && !main_.has("did")));
+  const bool is_of_stopped = asks_about_stop() && main_.has_any({"do", "action", "activity"}) &&
+                             !main_.has_words({"say", "what"}) && !main_.has("did");
   const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
+                           !is_of_stopped &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
   if (is_of_words) {
     const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||

@@ -114,7 +114,8 @@ GrammarRules::Found GrammarRules::when() {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
     add_sight_times(program);
-    program.then(is_appearing || main_.has_any({"first", "initial", "earliest"})
+    program.then((is_appearing && !main_.has("last")) ||
+                         main_.has_any({"first", "initial", "earliest"})
                      ? StepKind::kFirstSeen
                      : StepKind::kLastSeen);
     return program.then(step);

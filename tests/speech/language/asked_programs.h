@@ -15,6 +15,9 @@ struct AskedProgram {
 
 [[nodiscard]] const std::vector<AskedProgram>& asked_programs();
 
+/// The same in words of people who knew nothing of the grammar.
+[[nodiscard]] const std::vector<AskedProgram>& programs_asked_by_others();
+
 /// What must not be answered, whatever the memory has.
 [[nodiscard]] const std::vector<std::string>& unanswerable_questions();
 

@@ -46,6 +46,15 @@ TEST_F(Questions, MeanTheSameInManyWords) {
     }
 }
 
+TEST_F(Questions, MeanTheSameInWordsOfOthers) {
+  for (const testing::AskedProgram& asked : testing::programs_asked_by_others())
+    for (const std::string& question : asked.questions) {
+      const Answer answer = answer_to(question);
+      EXPECT_EQ(answer.program ? answer.program->to_string() : answer.text, asked.program)
+          << question;
+    }
+}
+
 TEST_F(Questions, ThatCannotBeAnsweredAreNot) {
   for (const std::string& question : testing::unanswerable_questions()) {
     const Answer answer = answer_to(question);
