@@ -51,6 +51,7 @@ constexpr std::string_view kBeginnings[] = {
     "what i need|want|would|wish|did like? to know|hear|learn is",
     "please|pls|kindly|do say|state|report|indicate|remember|recall|return|print",
     "say|state|indicate|recall|return",
+    "please|kindly? specify|provide|determine|identify|compute|calculate|clarify|disclose me|us?",
     "get|look|check me|us? up",
     "may|might|can|could i|we ask|know|hear|learn please?",
     "i hear|heard that",

@@ -12,15 +12,17 @@ namespace {
 
 /// A base form, and the forms of it that no ending makes, or that mean the same.
 constexpr std::pair<std::string_view, std::string_view> kForms[] = {
+    {"look", "rummage rummaged rummaging sought examined explored"},
     {"take", "took taken"},
     {"get", "got gotten getting"},
     {"drive",
      "drove driven trip trips journey journeys trundled trundle trundling navigation motion "
-     "movement"},
+     "movement roam roamed proceeded cruised journeyed betake betaken"},
     {"go", "went gone goes going"},
     {"see",
      "saw seen seeing behold beheld spy spied spying detect detected detects detecting detection "
-     "glimpse glimpsed sighting sightings observation observable observed perceived"},
+     "glimpse glimpsed sighting sightings observation observable observed perceived witnessed "
+     "recognised recognized sighted encountered captured registered noticed viewed"},
     {"hold", "held"},
     {"bring", "brought delivery"},
     {"say", "said saying"},
@@ -43,10 +45,12 @@ constexpr std::pair<std::string_view, std::string_view> kForms[] = {
     {"try", "tried tries"},
     {"retry", "retried"},
     {"carry", "carried carries"},
-    {"stop", "stopped stopping stoppage ceased cease ceasing stops"},
-    {"put", "putting stashed stick"},
+    {"stop", "stopped stopping stoppage ceased cease ceasing stops terminated suspended curtailed"},
+    {"put", "putting stashed stick plonk plonked plop plopped stash stashing stow stowed unloaded"},
     {"set", "setting"},
-    {"grab", "grabbed grabbing"},
+    {"grab",
+     "grabbed grabbing snatch snatched snatching pluck plucked plucking clutch clutched clutching "
+     "retrieve retrieved retrieving hoist hoisted scoop scooped obtained"},
     {"drop", "dropped dropping"},
     {"grip", "gripped"},
     {"spot", "spotted"},
@@ -61,7 +65,9 @@ constexpr std::pair<std::string_view, std::string_view> kForms[] = {
     {"need", "needed"},
     {"ask", "asked"},
     {"time", "times"},
-    {"fail", "failure failures unsuccessful unsuccessfully bungle bungled bungling botch botched"},
+    {"fail",
+     "failure failures unsuccessful unsuccessfully bungle bungled bungling botch botched flopped "
+     "fumble fumbled fluffed mishandled malfunctioned setback setbacks blunder blundered flop"},
     {"succeed", "success successful successfully successes"},
     {"pick", "picking picks"},
     {"move", "moved displaced displacement"},

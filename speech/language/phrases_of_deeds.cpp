@@ -389,6 +389,19 @@ constexpr Phrase kPhrasesOfDeeds[] = {
     {"have you left on", "did you put on"},
     {"did you leave on", "did you put on"},
     {"did you load", "did you put on"},
+    {"unable|impossible to", "not able to"},
+    {"result|resulted in failure", "failed"},
+    {"end|ended|ends in failure", "failed"},
+    {"end|ended|ends in success", "succeeded"},
+    {"end|ended|ends well", "succeeded"},
+    {"end|ended|ends badly", "failed"},
+    {"for nothing", "unsuccessfully"},
+    {"to no avail", "unsuccessfully"},
+    {"with success", "successfully"},
+    {"called|ordered|commanded|asked|told|made|forced|obliged you to stop", "stopped you"},
+    {"make|made|force|forced you stop|quit|halt", "stopped you"},
+    {"had to stop|quit|halt", "were stopped"},
+    {"put|brought an|your end|stop to", "stopped"},
 };
 
 }  // namespace

@@ -129,6 +129,9 @@ constexpr Phrase kPhrasesOfThings[] = {
     {"is there the", "is there"},
     {"among the things on|in", "on"},
     {"of the things in view", "visible"},
+    {"out of your? sight|view", "not visible"},
+    {"still|even? have|has a grip|hold on", "holding"},
+    {"a? grip|hold on", "holding"},
 };
 
 }  // namespace

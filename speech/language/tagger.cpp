@@ -92,9 +92,10 @@ class WordTagger final : public Tagger {
 
  private:
   static bool is_known(const std::string& word, const Lexicon& lexicon) {
-    return lexicon.words().contains(word) || is_filler(word) || is_grammar_lemma(lemma_of(word)) ||
-           is_grammar_lemma(word) || lexicon.words().contains(lemma_of(word)) ||
-           number_named(word) >= 0 || has_digit(word) || word.find('_') != std::string::npos;
+    return lexicon.words().contains(word) || is_filler(word) || is_filler(lemma_of(word)) ||
+           is_grammar_lemma(lemma_of(word)) || is_grammar_lemma(word) ||
+           lexicon.words().contains(lemma_of(word)) || number_named(word) >= 0 || has_digit(word) ||
+           word.find('_') != std::string::npos;
   }
 
   /// Whether a name may stand at this word.
