@@ -78,14 +78,14 @@ constexpr std::string_view kFillers =
     "pm tomorrow sudden suddenly pls plz "
     "ways process case cases line world matter bit hitch single effort efforts others aside "
     "instant "
-    "boss mischief doings unique various occasion occasions freshest string path route ground "
+    "boss mischief doings unique various occasion occasions freshest path route ground "
     "stretch "
     "length whole hope hoping present name named form sense order sequence detail account list "
-    "precise overall subsequent ultimate major main key procedure operation performance approach "
+    "precise overall subsequent ultimate major main procedure operation performance approach "
     "method "
-    "subject topic data evidence trace proof sign hint statement response reply inquiry query "
+    "subject topic data evidence trace proof hint statement response reply inquiry query "
     "period interval span spell stint timeframe beginning middle respect regard regards terms "
-    "available given fun track surely simply merely please likely "
+    "available given fun surely simply merely please likely "
     "source target argument id entire turn dear sweetheart understand understood thou didst";
 
 const std::set<std::string>& words_of_list(std::string_view list, std::set<std::string>& words) {

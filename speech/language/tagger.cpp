@@ -216,7 +216,7 @@ class WordTagger final : public Tagger {
     if (is_grammar_lemma(word.lemma) || word.text.find('_') != std::string::npos ||
         is_grammar_lemma(word.text))
       word.tag = WordTag::kGrammar;
-    else if (is_filler(word.text) || number_named(word.text) >= 0)
+    else if (is_filler(word.text) || is_filler(word.lemma) || number_named(word.text) >= 0)
       word.tag = WordTag::kFiller;
     return word;
   }
