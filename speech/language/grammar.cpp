@@ -210,6 +210,8 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
   tagger.correct(words, lexicon);
   QuestionInWords in_words;
+  in_words.is_order =
+      is_among_words(words.front().text, {"ignore", "disregard", "pretend", "override"});
   in_words.is_stated = words.back().ends_statement;
   take_endearments(words);
   take_question_tags(words);
@@ -228,6 +230,10 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
   const QuestionParts parts =
       parts_of_question(in_words->words, std::move(in_words->times), in_words->is_indirect);
   if (parts.main.words.empty()) return unread_question();
+  if (asks_for_future(parts))
+    return refused("I am sorry, I can tell what was and what is, but not what will be.");
+  if (in_words->is_order || is_request(parts))
+    return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
 
   double confidence = kConfidence;
   size_t passed_over = 0;
@@ -246,10 +252,6 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
     return {program_of(*strange), {}, confidence / 2, false};
   if (in_words->is_stated && !in_words->is_indirect && is_statement(parts))
     return unread_question();
-  if (asks_for_future(parts))
-    return refused("I am sorry, I can tell what was and what is, but not what will be.");
-  if (is_request(parts))
-    return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
   const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
   if (passed_over > max_passed_over) return unread_question();
   auto program = GrammarRules(parts, lexicon).program();

@@ -19,6 +19,7 @@ struct QuestionInWords {
   std::vector<TaggedWord> words;
   AskedTimes times;
   bool is_indirect = false;  ///< It followed "tell me" or the like.
+  bool is_order = false;     ///< It begins as an order to forget or to pretend something.
   bool is_stated = false;    ///< A full stop or an exclamation mark ended it.
 };
 

@@ -123,11 +123,16 @@ void write_out_d(std::vector<QuestionWord>& words) {
 
 }  // namespace
 
+/// Signs that no question in English has, and queries, markup and code have.
+constexpr std::string_view kSignsOfCode = "*`{}\\|";
+
 Result<std::vector<QuestionWord>> split_words(std::string_view question) {
   if (question.size() > kMaxQuestionBytes)
     return invalid_argument("the question has {} bytes, and I read at most {}", question.size(),
                             kMaxQuestionBytes);
   ENGRAM_ASSIGN_OR_RETURN(const std::string plain, plain_text(question));
+  if (plain.find_first_of(kSignsOfCode) != std::string::npos)
+    return invalid_argument("there are signs of a program in it, and I read English");
   const std::string lower = lower_ascii(plain);
   std::vector<QuestionWord> words;
   bool begins = true;
