@@ -83,7 +83,7 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
       ->capture_default_str();
   command
       ->add_option("--min-right", arguments->lesson.options.min_right,
-                   "So much of what is told is right on held-out wordings, 0 to 1")
+                   "Min share of what is told that is right, measured on held-out questions")
       ->capture_default_str();
   command
       ->add_option("--seed", arguments->lesson.options.seed,

@@ -284,7 +284,7 @@ def share_of_routes(said):
     """What each route says, and how much of it is right."""
     routes = collections.defaultdict(list)
     for row in said:
-        routes[row["answer"]["route"]].append(row)
+        routes[row["answer"].get("route", "none")].append(row)
     return {route: {"said": len(of), "right": share(of, "right")} for route, of in routes.items()}
 
 

@@ -51,7 +51,7 @@ Result<AttendedQuestion> attended_question(std::string_view question, KnownFacts
     return invalid_argument("it has {} words, and at most {} can be attended to",
                             input.words.size(), AttentionInput::kMaxWords);
   for (const EpisodeGroup& group : groups) input.groups.push_back(traits_of(group, names, now));
-  input.attended = most_relevant(groups, names);
+  input.attended = attended_first(groups, names);
   return AttendedQuestion{std::move(words), std::move(names), std::move(groups), std::move(input)};
 }
 

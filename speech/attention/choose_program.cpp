@@ -11,15 +11,15 @@ namespace engram::speech {
 namespace {
 
 /// How surely the groups of a source are told apart as the program does: that of the least sure.
-double least_sure(const Program& program, const std::vector<float>& logits,
-                  const std::vector<EpisodeGroup>& groups, const AskedNames& names) {
-  double least = 1;
+double min_sureness(const Program& program, const std::vector<float>& logits,
+                    const std::vector<EpisodeGroup>& groups, const AskedNames& names) {
+  double min_found = 1;
   for (size_t i = 0; i < groups.size() && i < logits.size(); ++i) {
     if (groups[i].source != program.source) continue;
     const double sign = keeps(program, groups[i], names) ? 1 : -1;
-    least = std::min(least, 1 / (1 + std::exp(-sign * static_cast<double>(logits[i]))));
+    min_found = std::min(min_found, 1 / (1 + std::exp(-sign * static_cast<double>(logits[i]))));
   }
-  return least;
+  return min_found;
 }
 
 bool has_name(const Program& program, const std::string& name,
@@ -54,9 +54,9 @@ std::optional<AttendedProgram> choose_program(const AttentionScores& scores,
     auto program = program_told(reading.symbols, names, times);
     if (!program || !says_all_names(*program, names)) continue;
     double confidence =
-        std::exp(reading.log_probability) * least_sure(*program, reading.main, groups, names);
+        std::exp(reading.log_probability) * min_sureness(*program, reading.main, groups, names);
     if (const Program* within = program_within(*program))
-      confidence *= least_sure(*within, reading.other, groups, names);
+      confidence *= min_sureness(*within, reading.other, groups, names);
     return AttendedProgram{*std::move(program), confidence};
   }
   return {};

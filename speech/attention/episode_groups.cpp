@@ -330,8 +330,8 @@ AttentionInput::Traits traits_of(const EpisodeGroup& group, const AskedNames& na
   return writer.traits();
 }
 
-std::vector<uint32_t> most_relevant(const std::vector<EpisodeGroup>& groups,
-                                    const AskedNames& names) {
+std::vector<uint32_t> attended_first(const std::vector<EpisodeGroup>& groups,
+                                     const AskedNames& names) {
   const auto relevance = [&](const EpisodeGroup& group) {
     double sum = 0;
     for (const auto* flags :

@@ -47,7 +47,7 @@ Result<std::vector<EpisodeGroup>> episode_groups(KnownFacts& facts, const AskedN
                                                Time now);
 
 /// The groups that have most to do with the question, at most AttentionInput::kMaxAttended.
-[[nodiscard]] std::vector<uint32_t> most_relevant(const std::vector<EpisodeGroup>& groups,
-                                                  const AskedNames& names);
+[[nodiscard]] std::vector<uint32_t> attended_first(const std::vector<EpisodeGroup>& groups,
+                                                   const AskedNames& names);
 
 }  // namespace engram::speech

@@ -5,7 +5,7 @@
 
 #include "speech/language/english.h"
 #include "speech/language/grammar_rules.h"
-#include "speech/language/phrases.h"
+#include "speech/language/question_phrases.h"
 
 namespace engram::speech {
 

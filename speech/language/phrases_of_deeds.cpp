@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "speech/language/phrases.h"
+#include "speech/language/question_phrases.h"
 
 namespace engram::speech {
 

@@ -15,9 +15,9 @@ constexpr auto kTraits = static_cast<int64_t>(AttentionInput::kTraits);
 /// The largest size of a part, and 1 at least.
 template <typename Of>
 int64_t largest(std::span<const AttentionExample* const> examples, const Of& of) {
-  size_t most = 1;
-  for (const AttentionExample* one : examples) most = std::max(most, of(*one));
-  return static_cast<int64_t>(most);
+  size_t size = 1;
+  for (const AttentionExample* one : examples) size = std::max(size, of(*one));
+  return static_cast<int64_t>(size);
 }
 
 void fill_words(const std::vector<AttentionInput::Word>& words, int32_t* numbers, bool* is_none) {

@@ -16,8 +16,8 @@ namespace {
 
 constexpr float kParts = 64;
 
-bool is_near(double a, double b, double most) {
-  return std::abs(a - b) <= most;
+bool is_near(double a, double b, double max_apart) {
+  return std::abs(a - b) <= max_apart;
 }
 
 /// Whether an answer is the one that is known: times within half a second, amounts within a tenth.

@@ -66,16 +66,16 @@ struct Judged {
   bool is_refusal = false;
 };
 
-double least_sure(const std::vector<float>& logits, const std::vector<uint8_t>& flags,
-                  bool& is_right) {
-  double least = 1;
+double min_sureness(const std::vector<float>& logits, const std::vector<uint8_t>& flags,
+                    bool& is_right) {
+  double min_found = 1;
   for (size_t i = 0; i < flags.size() && i < logits.size(); ++i) {
     if (flags[i] == 2) continue;
     const bool is_kept = logits[i] > 0;
     is_right = is_right && is_kept == (flags[i] == 1);
-    least = std::min(least, 1 / (1 + std::exp(-std::abs(static_cast<double>(logits[i])))));
+    min_found = std::min(min_found, 1 / (1 + std::exp(-std::abs(static_cast<double>(logits[i])))));
   }
-  return least;
+  return min_found;
 }
 
 Judged judge(AttentionLayers& layers, const AttentionExample& example) {
@@ -89,9 +89,9 @@ Judged judge(AttentionLayers& layers, const AttentionExample& example) {
   judged.is_right = best.symbols == example.symbols;
   judged.confidence = std::exp(best.log_probability);
   if (judged.is_refusal) return judged;
-  judged.confidence *= least_sure(best.main, example.main, judged.is_right);
+  judged.confidence *= min_sureness(best.main, example.main, judged.is_right);
   if (!best.other.empty())
-    judged.confidence *= least_sure(best.other, example.other, judged.is_right);
+    judged.confidence *= min_sureness(best.other, example.other, judged.is_right);
   return judged;
 }
 

@@ -143,12 +143,12 @@ Status ProgramRun::cite_things_asked_about(const RecordFilter& filter, Time at) 
 /// The last executions of the time that have most to do with what is asked about.
 void ProgramRun::cite_related(const RecordFilter& filter, Period period) {
   std::vector<const Execution*> related;
-  int most = 1;
+  int max_relation = 1;
   for (const Execution* execution : facts_.executions()) {
     const int relation = period.contains(execution->started) ? filter.relation(*execution) : 0;
-    if (relation < most) continue;
-    if (relation > most) related.clear();
-    most = relation;
+    if (relation < max_relation) continue;
+    if (relation > max_relation) related.clear();
+    max_relation = relation;
     related.push_back(execution);
   }
   const size_t first = related.size() - std::min(related.size(), kMaxRelated);

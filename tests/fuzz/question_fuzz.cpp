@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/language/english.h"
-#include "speech/language/phrases.h"
+#include "speech/language/question_phrases.h"
 #include "speech/language/time_words.h"
 #include "speech/language/words.h"
 #include "speech/program/period.h"
