@@ -1,11 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/attention/attention_reader.h"
 
+#include <algorithm>
+
 #include "speech/attention/choose_program.h"
 
 namespace engram::speech {
 
 namespace {
+
+/// Whether the words say enough: one that is neither strange nor says nothing, and not too many
+/// strange ones. A network reads something in anything.
+bool says_enough(const std::vector<TaggedWord>& words) {
+  constexpr std::ptrdiff_t kMaxStrange = 5;
+  const auto is_telling = [](const TaggedWord& word) {
+    return word.tag != WordTag::kUnknown && word.tag != WordTag::kFiller;
+  };
+  const auto strange = std::count_if(words.begin(), words.end(), [](const TaggedWord& word) {
+    return word.tag == WordTag::kUnknown;
+  });
+  return std::any_of(words.begin(), words.end(), is_telling) && strange <= kMaxStrange;
+}
 
 class AttentionReader final : public QuestionReader {
  public:
@@ -21,7 +36,7 @@ class AttentionReader final : public QuestionReader {
     if (!asked.ok() && asked.status().code() == StatusCode::kInvalidArgument)
       return std::optional<ReadProgram>();
     ENGRAM_RETURN_IF_ERROR(asked.status());
-    if (asked->input.words.empty()) return std::optional<ReadProgram>();
+    if (!says_enough(asked->words.words)) return std::optional<ReadProgram>();
     ENGRAM_ASSIGN_OR_RETURN(const AttentionScores scores, network_->attend(asked->input));
     auto chosen = choose_program(scores, asked->groups, asked->names, asked->words.times);
     if (!chosen) return std::optional<ReadProgram>();

@@ -206,6 +206,9 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
   EXPECT_EQ(answer_of("How many things did you do in total?", -0.1, AskRoute::kAuto).route,
             "program");
   EXPECT_EQ(answer_of("Did you do anything?", -0.1, AskRoute::kReader).route, "attention");
+  // Whatever a network reads in them, these say nothing.
+  for (const char* text : {"a", "please", "plmk vfrt", "one two salt qwe rty uio asd fgh"})
+    EXPECT_EQ(answer_of(text, -0.001, AskRoute::kReader).route, "none") << text;
 }
 
 TEST_F(Attention, KnowsNoNames) {
