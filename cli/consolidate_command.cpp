@@ -16,6 +16,7 @@
 #include "ltm/store/night_records.h"
 #include "reports/consolidate_text.h"
 #include "speech/attention/attention_files.h"
+#include "speech/learning/attention_file.h"
 #include "training/fit/job_pace.h"
 #include "training/night/consolidate.h"
 #include "training/night/drop_raw.h"
@@ -146,25 +147,45 @@ void leave_time_to_drop(training::JobControl& job) {
   if (job.until) *job.until -= std::max(Duration::zero(), *job.until - system_now()) / kShare;
 }
 
-/// What a robot is asked in its own words is learned from its own past, and goes on from the night
-/// before. A memory of which no dialogues can be made has learned all the same, so that is said and
-/// no failure.
-Status learn_answers(const ConsolidateArguments& arguments) {
+/// The network of the night before, to go on from; none where it is of another version.
+std::filesystem::path network_to_go_on_from(const std::filesystem::path& file) {
+  const Status opened = speech::load_attention(file).status();
+  if (opened.ok()) return file;
+  if (opened.code() != StatusCode::kNotFound)
+    log::warning("what reads questions is learned anew: {}", opened.message());
+  return {};
+}
+
+/// What a robot is asked is learned from its own past. A memory of which no dialogues can be made,
+/// or a night that is over, has consolidated all the same, so that is said and is no failure.
+Status learn_answers(const ConsolidateArguments& arguments, Json& told) {
   if (arguments.answers.empty() || arguments.is_part) return {};
+  const training::JobControl& job = arguments.options.job;
   speech::Lesson lesson;
   ENGRAM_ASSIGN_OR_RETURN(lesson.options.budget, parse_duration(arguments.answers));
   lesson.stores = {arguments.store};
   lesson.file = speech::attention_file(arguments.store);
-  lesson.options.start = lesson.file;
+  lesson.options.start = network_to_go_on_from(lesson.file);
+  lesson.until = job.until;
+  std::unique_ptr<training::RobotBusy> busy;
+  if (!job.yield.file.empty() || !job.yield.command.empty()) {
+    ENGRAM_ASSIGN_OR_RETURN(busy, training::RobotBusy::create(job.yield));
+  }
   ProgressLine progress(progress_form(arguments.job));
-  const auto report = speech::learn_from(lesson, progress.sink(), interrupt_token());
+  const ProgressSink sink = progress.sink();
+  const std::stop_token stop = interrupt_token();
+  training::JobPace pace(busy.get(), sink, stop, job.until);
+  lesson.options.pause = [&pace] { return pace.pause(); };
+  const auto report = speech::learn_from(lesson, pace.progress(), stop);
   progress.finish();
-  if (report.status().code() == StatusCode::kNotFound) {
+  const StatusCode code = report.status().code();
+  if (code == StatusCode::kNotFound || code == StatusCode::kResourceExhausted) {
     log::warning("nothing was learned of questions: {}", report.status().message());
     return {};
   }
   ENGRAM_RETURN_IF_ERROR(report.status());
   if (!arguments.is_json) print(lesson_text(*report, lesson.file));
+  told["answers"] = lesson_json(*report, lesson.file);
   return {};
 }
 
@@ -190,11 +211,12 @@ ExitCode consolidate(const ConsolidateArguments& arguments) {
     progress.finish();
     if (!status.ok()) return fail(status);
   }
-  if (arguments.is_json)
-    print_json(reports::report_json(plan, *report, dropped));
-  else
-    reports::print_dropped(dropped);
-  return done_or_failed(learn_answers(arguments));
+  if (!arguments.is_json) reports::print_dropped(dropped);
+  Json told;
+  if (arguments.is_json) told = reports::report_json(plan, *report, dropped);
+  const Status learned = learn_answers(arguments, told);
+  if (arguments.is_json) print_json(told);
+  return done_or_failed(learned);
 }
 
 /// A given number of snapshots decides for itself how long decoding takes.
@@ -208,6 +230,8 @@ Status finish_access(const ConsolidateArguments& arguments, Duration& access) {
 /// Whether several processes may share the entities: if asked for, or if left to measurement.
 bool wants_processes(const ConsolidateArguments& arguments) {
   if (arguments.jobs != 0) return arguments.jobs == 2;
+  // One report tells of both, and that of several processes is theirs.
+  if (arguments.is_json && !arguments.answers.empty()) return false;
   // Starting others and measuring whether they pay takes seconds of a short time.
   constexpr Duration kShort = std::chrono::minutes(1);
   if (const auto& until = arguments.options.job.until; until && *until - system_now() < kShort)
@@ -250,7 +274,8 @@ ExitCode run(ConsolidateArguments& arguments) {
     if (!groups.empty()) {
       const ExitCode done = run_jobs(*plan, groups, arguments_of_parts(arguments),
                                      progress_form(arguments.job), arguments.is_json);
-      return done == ExitCode::kDone ? done_or_failed(learn_answers(arguments)) : done;
+      Json told;
+      return done == ExitCode::kDone ? done_or_failed(learn_answers(arguments, told)) : done;
     }
   }
   return consolidate(arguments);

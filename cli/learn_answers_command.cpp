@@ -72,6 +72,8 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--dialogues", arguments->lesson.examples.dialogues.count,
                    "Questions in the generator's own wordings about each store")
       ->capture_default_str();
+  command->add_flag("--own-words{false}", arguments->lesson.examples.has_written,
+                    "Without the wordings of people that come with Engram: a quick try");
   command->add_option("--wordings", arguments->lesson.examples.wordings,
                       "More files of wordings, each of which is asked once of each store");
   command->add_option("--threads", arguments->lesson.options.threads, "Threads that compute")

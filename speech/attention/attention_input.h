@@ -18,7 +18,7 @@ struct AttentionInput {
   static constexpr size_t kPartsPerWord = 10;
   /// Parts of words are numbers below this; 0 is none.
   static constexpr int32_t kParts = 6144;
-  static constexpr size_t kTraits = 40;
+  static constexpr size_t kTraits = 36;
   /// Words attend to so many groups at most, those first that have most to do with the question.
   static constexpr size_t kMaxAttended = 24;
 

@@ -29,16 +29,14 @@ class AttentionReader final : public QuestionReader {
 
   [[nodiscard]] std::string_view route() const override { return "attention"; }
 
-  Result<std::optional<ReadProgram>> read(std::string_view question, KnownFacts& facts,
-                                          const Lexicon& lexicon, const Tagger& tagger, Time now,
-                                          DayZone zone) override {
-    const auto asked = attended_question(question, facts, lexicon, tagger, now, zone);
-    if (!asked.ok() && asked.status().code() == StatusCode::kInvalidArgument)
-      return std::optional<ReadProgram>();
+  Result<std::optional<ReadProgram>> read(const QuestionInWords& question, KnownFacts& facts,
+                                          const Lexicon& lexicon, Time now, DayZone zone) override {
+    if (!says_enough(question.words)) return std::optional<ReadProgram>();
+    const auto asked = attended_question(question, facts, lexicon, now, zone);
+    if (asked.status().code() == StatusCode::kInvalidArgument) return std::optional<ReadProgram>();
     ENGRAM_RETURN_IF_ERROR(asked.status());
-    if (!says_enough(asked->words.words)) return std::optional<ReadProgram>();
     ENGRAM_ASSIGN_OR_RETURN(const AttentionScores scores, network_->attend(asked->input));
-    auto chosen = choose_program(scores, asked->groups, asked->names, asked->words.times);
+    auto chosen = choose_program(scores, asked->groups, asked->names, asked->times);
     if (!chosen) return std::optional<ReadProgram>();
     const double confidence = chosen->confidence;
     return std::optional(ReadProgram{std::move(chosen->program), confidence,
@@ -52,22 +50,18 @@ class AttentionReader final : public QuestionReader {
 
 }  // namespace
 
-Result<AttendedQuestion> attended_question(std::string_view question, KnownFacts& facts,
-                                           const Lexicon& lexicon, const Tagger& tagger, Time now,
-                                           DayZone zone) {
-  ENGRAM_ASSIGN_OR_RETURN(QuestionInWords words,
-                          question_in_words(question, lexicon, tagger, now, zone));
-  AskedNames names(words, lexicon);
-  ENGRAM_ASSIGN_OR_RETURN(std::vector<EpisodeGroup> groups,
-                          episode_groups(facts, names, words.times, now, zone));
-  AttentionInput input{.words = numbers_of_words(words, names)};
-  // A text of so many words is no question.
-  if (input.words.size() > AttentionInput::kMaxWords)
+Result<AttendedQuestion> attended_question(const QuestionInWords& question, KnownFacts& facts,
+                                           const Lexicon& lexicon, Time now, DayZone zone) {
+  AttendedQuestion asked{.names = AskedNames(question, lexicon), .times = question.times};
+  asked.input.words = numbers_of_words(question, asked.names);
+  if (asked.input.words.size() > AttentionInput::kMaxWords)
     return invalid_argument("it has {} words, and at most {} can be attended to",
-                            input.words.size(), AttentionInput::kMaxWords);
-  for (const EpisodeGroup& group : groups) input.groups.push_back(traits_of(group, names, now));
-  input.attended = attended_first(groups, names);
-  return AttendedQuestion{std::move(words), std::move(names), std::move(groups), std::move(input)};
+                            asked.input.words.size(), AttentionInput::kMaxWords);
+  ENGRAM_ASSIGN_OR_RETURN(asked.groups, episode_groups(facts, asked.names, asked.times, now, zone));
+  for (const EpisodeGroup& group : asked.groups)
+    asked.input.groups.push_back(traits_of(group, asked.names, now));
+  asked.input.attended = attended_first(asked.groups, asked.names);
+  return asked;
 }
 
 std::unique_ptr<QuestionReader> make_attention_reader(std::unique_ptr<AttentionNetwork> network) {

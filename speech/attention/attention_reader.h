@@ -18,8 +18,8 @@ class AttentionNetwork {
 
   /// Errors: kUnavailable where the network fails.
   virtual Result<AttentionScores> attend(const AttentionInput& input) = 0;
-  /// The confidence from which on what it reads is told: as many answers as that are right, it was
-  /// measured, are so on wordings that it was not trained with.
+  /// The confidence from which on what it reads is told: enough of that was right, as measured on
+  /// questions that it was not trained with.
   [[nodiscard]] virtual double min_confidence() const = 0;
   /// The same of what counts more than the rules of the grammar.
   [[nodiscard]] virtual double sure_confidence() const = 0;
@@ -27,21 +27,18 @@ class AttentionNetwork {
 
 /// A question with what a memory has of it, for a network and for who chooses the program.
 struct AttendedQuestion {
-  QuestionInWords words;
   AskedNames names;
+  AskedTimes times;
   std::vector<EpisodeGroup> groups;
   AttentionInput input;
 };
 
-/// Errors: kInvalidArgument where it is no question that can be read at all (split_words); those of
-/// Memory::query.
-Result<AttendedQuestion> attended_question(std::string_view question, KnownFacts& facts,
-                                           const Lexicon& lexicon, const Tagger& tagger, Time now,
-                                           DayZone zone);
+/// Errors: kInvalidArgument where it has too many words to be a question; those of Memory::query.
+Result<AttendedQuestion> attended_question(const QuestionInWords& question, KnownFacts& facts,
+                                           const Lexicon& lexicon, Time now, DayZone zone);
 
-/// Reads questions by attention: the network reads a frame of a program and selects groups of
-/// episodes; the filters that select just these make it a program, which is executed as any other.
-/// What it is not sure of, it does not read.
+/// Reads questions by attention: the network tells a program, and the groups of episodes that it is
+/// about (choose_program()).
 ///
 /// Owns: the network.
 /// Threading: one thread.

@@ -8,13 +8,16 @@
 #include <tuple>
 
 #include "ltm/core/ascii.h"
+#include "ltm/core/check.h"
 #include "speech/facts/facts_as_of.h"
+#include "speech/program/filter_texts.h"
 
 namespace engram::speech {
 
 namespace {
 
 constexpr const char* kStopText = "stop";
+constexpr size_t kOutcomeCount = 5;  // Of ltm::ActionOutcome.
 
 auto key_of(const EpisodeGroup& group) {
   return std::tie(group.source, group.skill, group.outcome, group.has_thing, group.has_place,
@@ -32,24 +35,8 @@ bool is_among(const std::vector<ltm::MemoryId>& all, const std::optional<ltm::Me
   return one && std::find(all.begin(), all.end(), *one) != all.end();
 }
 
-std::vector<std::string> comma_parts(const std::string& text) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    if (end > begin) parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 bool contains(const std::string& text, const std::string& part) {
   return lower_ascii(text).find(lower_ascii(part)) != std::string::npos;
-}
-
-std::string outcome_of(const Execution& execution) {
-  return execution.outcome == ltm::ActionOutcome::kUnknown
-             ? "lost"
-             : std::string(ltm::name_of(execution.outcome));
 }
 
 /// Sorts records into groups.
@@ -67,7 +54,7 @@ class Grouper {
       const Execution& execution = *one;
       EpisodeGroup group = group_of(ProgramSource::kExecutions);
       group.skill = execution.skill;
-      group.outcome = outcome_of(execution);
+      group.outcome = execution.outcome;
       name(group, execution.thing, execution.place, execution.hand);
       tell(group, execution.reason);
       // Whose words caused it is told by links, which are followed only where it is asked for.
@@ -199,7 +186,7 @@ Time moment_of(const AskedTimes& times, Time now, DayZone zone) {
 
 bool is_any_named(const std::string& wanted, const std::vector<std::string>& names,
                   const std::vector<bool>& has) {
-  const std::vector<std::string> parts = comma_parts(wanted);
+  const std::vector<std::string> parts = names_in_list(wanted);
   for (size_t i = 0; i < names.size(); ++i)
     if (has[i] && std::find(parts.begin(), parts.end(), names[i]) != parts.end()) return true;
   return false;
@@ -215,17 +202,12 @@ bool keeps_text(const std::string& wanted, const EpisodeGroup& group, const Aske
   return wanted == kStopText && group.has_text[at];
 }
 
-bool keeps_outcome(const std::string& wanted, const std::string& outcome) {
-  if (wanted == "problem") return outcome == "failure" || outcome == "stop";
-  return wanted == outcome;
-}
-
 bool keeps(const ProgramFilter& filter, const EpisodeGroup& group, const AskedNames& names) {
   const std::string& text = filter.value.text;
   const auto is_flag = [&](bool flag) { return flag == (text == "yes"); };
   switch (filter.key) {
     case FilterKey::kSkill: {
-      const auto skills = comma_parts(text);
+      const auto skills = names_in_list(text);
       return std::find(skills.begin(), skills.end(), group.skill) != skills.end();
     }
     case FilterKey::kThing:
@@ -239,7 +221,7 @@ bool keeps(const ProgramFilter& filter, const EpisodeGroup& group, const AskedNa
     case FilterKey::kSpeaker:
       return is_any_named(text, names.persons, group.has_person);
     case FilterKey::kOutcome:
-      return keeps_outcome(text, group.outcome);
+      return group.outcome && fits_outcome(text, *group.outcome);
     case FilterKey::kText:
       return keeps_text(text, group, names);
     case FilterKey::kIsHeld:
@@ -255,7 +237,8 @@ bool keeps(const ProgramFilter& filter, const EpisodeGroup& group, const AskedNa
 class TraitWriter {
  public:
   void add(double value) {
-    if (at_ < traits_.size()) traits_[at_++] = static_cast<float>(value);
+    if (at_ < traits_.size()) traits_[at_] = static_cast<float>(value);
+    ++at_;
   }
   void add_one_of(size_t index, size_t count) {
     for (size_t i = 0; i < count; ++i) add(i == index ? 1 : 0);
@@ -265,30 +248,23 @@ class TraitWriter {
     for (size_t i = 0; i < 2; ++i) add(i < flags.size() && flags[i] ? 1 : 0);
     add(std::find(flags.begin(), flags.end(), true) != flags.end() ? 1 : 0);
   }
-  [[nodiscard]] const AttentionInput::Traits& traits() const { return traits_; }
+  /// All numbers have to be there: a network takes each by its place.
+  [[nodiscard]] const AttentionInput::Traits& traits() const {
+    ENGRAM_CHECK(at_ == traits_.size(), "a group has {} traits, needs {}", at_, traits_.size());
+    return traits_;
+  }
 
  private:
   AttentionInput::Traits traits_{};
   size_t at_ = 0;
 };
 
-size_t index_of_outcome(const std::string& outcome) {
-  constexpr std::array<std::string_view, 5> kOutcomes{"running", "success", "failure", "stop",
-                                                      "lost"};
-  return static_cast<size_t>(std::find(kOutcomes.begin(), kOutcomes.end(), outcome) -
-                             kOutcomes.begin());
-}
-
 bool is_of_skills(const std::string& skill, const std::string& skills) {
-  const auto parts = comma_parts(skills);
+  const auto parts = names_in_list(skills);
   return !skill.empty() && std::find(parts.begin(), parts.end(), skill) != parts.end();
 }
 
 }  // namespace
-
-bool EpisodeGroup::is_like(const EpisodeGroup& other) const {
-  return key_of(*this) == key_of(other);
-}
 
 Result<std::vector<EpisodeGroup>> episode_groups(KnownFacts& facts, const AskedNames& names,
                                                  const AskedTimes& times, Time now, DayZone zone) {
@@ -311,7 +287,7 @@ bool keeps(const Program& program, const EpisodeGroup& group, const AskedNames& 
 AttentionInput::Traits traits_of(const EpisodeGroup& group, const AskedNames& names, Time now) {
   TraitWriter writer;
   writer.add_one_of(static_cast<size_t>(group.source), 7);
-  writer.add_one_of(index_of_outcome(group.outcome), 5);
+  writer.add_one_of(group.outcome ? static_cast<size_t>(*group.outcome) : kOutcomeCount, kOutcomeCount);
   writer.add_flags(group.has_thing);
   writer.add_flags(group.has_place);
   writer.add_flags(group.has_hand);

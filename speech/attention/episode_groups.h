@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "speech/attention/asked_names.h"
@@ -15,11 +17,11 @@ namespace engram::speech {
 struct EpisodeGroup {
   ProgramSource source{};
   std::string skill;
-  std::string outcome;
-  std::vector<bool> has_thing;   ///< For each thing that the question names.
-  std::vector<bool> has_place;   ///< Of a thing: whether it is there.
-  std::vector<bool> has_hand;    ///< Of a thing: whether it is held by it.
-  std::vector<bool> has_person;  ///< Whose words these are, or caused this.
+  std::optional<ltm::ActionOutcome> outcome;  ///< Nothing: it is no execution.
+  std::vector<bool> has_thing;                ///< For each thing that the question names.
+  std::vector<bool> has_place;                ///< Of a thing: whether it is there.
+  std::vector<bool> has_hand;                 ///< Of a thing: whether it is held by it.
+  std::vector<bool> has_person;               ///< Whose words these are, or caused this.
   /// Words, a goal or a reason: whether they tell of each thing, then of each place, then of a
   /// stop.
   std::vector<bool> has_text;
@@ -28,9 +30,6 @@ struct EpisodeGroup {
   size_t count = 0;
   Time first{};
   Time last{};
-
-  /// Whether it is the same but for the last three.
-  [[nodiscard]] bool is_like(const EpisodeGroup& other) const;
 };
 
 /// What a memory has of a question, as of `now`.

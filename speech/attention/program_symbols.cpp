@@ -5,6 +5,8 @@
 #include <array>
 #include <map>
 
+#include "speech/program/filter_texts.h"
+
 namespace engram::speech {
 
 namespace {
@@ -68,12 +70,6 @@ bool is_among(const auto& all, auto one) {
   return std::find(all.begin(), all.end(), one) != all.end();
 }
 
-std::string joined(const std::vector<std::string>& all) {
-  std::string text;
-  for (const std::string& one : all) text += (text.empty() ? "" : ",") + one;
-  return text;
-}
-
 const std::vector<std::string>& names_of_key(const AskedNames& names, Key key) {
   if (key == Key::kSkill) return names.skills;
   if (key == Key::kPlace) return names.places;
@@ -84,7 +80,7 @@ const std::vector<std::string>& names_of_key(const AskedNames& names, Key key) {
 /// What a pointer points at; nothing: the question has not so many.
 std::optional<std::string> pointed_at(const std::vector<std::string>& names,
                                       std::string_view pointer) {
-  if (pointer == "all") return names.size() < 2 ? std::nullopt : std::optional(joined(names));
+  if (pointer == "all") return names.size() < 2 ? std::nullopt : std::optional(any_of_names(names));
   const auto index = static_cast<size_t>(pointer.front() - '0');
   return index < names.size() ? std::optional(names[index]) : std::nullopt;
 }

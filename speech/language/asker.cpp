@@ -72,9 +72,9 @@ Result<Answer> Asker::ask_parsed(ParsedQuestion parsed, Time now) {
   return executed;
 }
 
-Result<Answer> Asker::ask_both(std::string_view question, ParsedQuestion parsed, Time now) {
-  ENGRAM_ASSIGN_OR_RETURN(const auto read, options_.reader->read(question, *facts_, *lexicon_,
-                                                                 *tagger_, now, options_.zone));
+Result<Answer> Asker::ask_both(const QuestionInWords& question, ParsedQuestion parsed, Time now) {
+  ENGRAM_ASSIGN_OR_RETURN(const auto read,
+                          options_.reader->read(question, *facts_, *lexicon_, now, options_.zone));
   const bool is_by_rule = parsed.program && !parsed.is_unread;
   if (!read || (!is_by_rule && !read->is_told)) return ask_parsed(std::move(parsed), now);
   auto answer = ask_program(read->program, now);
@@ -90,16 +90,22 @@ Result<Answer> Asker::ask_both(std::string_view question, ParsedQuestion parsed,
   return ask_parsed(unread_question(), now);
 }
 
-Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
-  const SteadyTime began = steady_now();
-  ParsedQuestion parsed = route == AskRoute::kReader
-                              ? unread_question()
-                              : parse_question(question, *lexicon_, *tagger_, now, options_.zone);
+Result<Answer> Asker::ask_words(std::string_view question, Time now, AskRoute route) {
+  const auto in_words = question_in_words(question, *lexicon_, *tagger_, now, options_.zone);
+  if (!in_words.ok())
+    return ask_parsed({.refusal = "I am sorry, " + in_words.status().message() + "."}, now);
+  ParsedQuestion parsed =
+      route == AskRoute::kReader ? unread_question() : parse_question(*in_words, *lexicon_);
   // What is known to be nothing that a memory answers needs no other reader.
   const bool asks_both = options_.reader != nullptr && route != AskRoute::kProgram &&
                          (parsed.program || parsed.is_unread);
-  ENGRAM_ASSIGN_OR_RETURN(Answer answer, asks_both ? ask_both(question, std::move(parsed), now)
-                                                   : ask_parsed(std::move(parsed), now));
+  return asks_both ? ask_both(*in_words, std::move(parsed), now)
+                   : ask_parsed(std::move(parsed), now);
+}
+
+Result<Answer> Asker::ask(std::string_view question, Time now, AskRoute route) {
+  const SteadyTime began = steady_now();
+  ENGRAM_ASSIGN_OR_RETURN(Answer answer, ask_words(question, now, route));
   answer.question = shown_question(question);
   answer.took_ms = to_seconds(steady_now() - began) * 1e3;
   return answer;

@@ -79,7 +79,8 @@ class Asker {
  private:
   Asker(std::unique_ptr<KnownFacts> facts, const Options& options);
 
-  Result<Answer> ask_both(std::string_view question, ParsedQuestion parsed, Time now);
+  Result<Answer> ask_words(std::string_view question, Time now, AskRoute route);
+  Result<Answer> ask_both(const QuestionInWords& question, ParsedQuestion parsed, Time now);
   Result<Answer> ask_parsed(ParsedQuestion parsed, Time now);
 
   std::unique_ptr<KnownFacts> facts_;

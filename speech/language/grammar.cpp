@@ -222,17 +222,14 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   return in_words;
 }
 
-ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
-                              const Tagger& tagger, Time now, DayZone zone) {
-  auto in_words = question_in_words(question, lexicon, tagger, now, zone);
-  if (!in_words.ok()) return refused("I am sorry, " + in_words.status().message() + ".");
-  if (in_words->words.empty()) return unread_question();
+ParsedQuestion parse_question(const QuestionInWords& question, const Lexicon& lexicon) {
+  if (question.words.empty()) return unread_question();
   const QuestionParts parts =
-      parts_of_question(in_words->words, std::move(in_words->times), in_words->is_indirect);
+      parts_of_question(question.words, question.times, question.is_indirect);
   if (parts.main.words.empty()) return unread_question();
   if (asks_for_future(parts))
     return refused("I am sorry, I can tell what was and what is, but not what will be.");
-  if (in_words->is_order || is_request(parts))
+  if (question.is_order || is_request(parts))
     return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
 
   double confidence = kConfidence;
@@ -250,8 +247,7 @@ ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
   }
   if (const auto strange = strange_name_told(parts))
     return {program_of(*strange), {}, confidence / 2, false};
-  if (in_words->is_stated && !in_words->is_indirect && is_statement(parts))
-    return unread_question();
+  if (question.is_stated && !question.is_indirect && is_statement(parts)) return unread_question();
   const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
   if (passed_over > max_passed_over) return unread_question();
   auto program = GrammarRules(parts, lexicon).program();

@@ -40,12 +40,12 @@ struct ParsedQuestion {
 /// A question that was not read.
 [[nodiscard]] ParsedQuestion unread_question();
 
-/// Reads a question in English as a program: words, times, tags, clauses, and then the first rule
-/// that fits. A name that the memory does not have becomes part of the program all the same, whose
-/// execution then says that nothing is called so.
+/// Reads a question as a program: its clauses, and then the first rule that fits. A name that the
+/// memory does not have becomes part of the program all the same, whose execution then says that
+/// nothing is called so.
 ///
 /// Complexity: bounded by the length of a question (speech/language/words.h).
-[[nodiscard]] ParsedQuestion parse_question(std::string_view question, const Lexicon& lexicon,
-                                            const Tagger& tagger, Time now, DayZone zone);
+[[nodiscard]] ParsedQuestion parse_question(const QuestionInWords& question,
+                                            const Lexicon& lexicon);
 
 }  // namespace engram::speech

@@ -37,12 +37,6 @@ bool is_carrying(std::string_view lemma) {
 
 }  // namespace
 
-std::string any_of_names(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
-  return text;
-}
-
 std::string GrammarRules::thing() const {
   if (!main_.things.empty()) return any_of_names(main_.things);
   const bool is_pronoun = main_.has_any({"it", "that", "them", "this", "one"});

@@ -9,6 +9,7 @@
 
 #include "speech/language/lexicon.h"
 #include "speech/language/question_parts.h"
+#include "speech/program/filter_texts.h"
 #include "speech/program/program.h"
 
 namespace engram::speech {
@@ -121,8 +122,5 @@ class GrammarRules {
   const ClauseParts& main_;
   const Lexicon& lexicon_;
 };
-
-/// Names as the value of a filter: joined by commas, so that any of them fits.
-[[nodiscard]] std::string any_of_names(const std::vector<std::string>& names);
 
 }  // namespace engram::speech

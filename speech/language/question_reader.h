@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "speech/facts/known_facts.h"
+#include "speech/language/grammar.h"
 #include "speech/language/lexicon.h"
-#include "speech/language/tagger.h"
 #include "speech/program/period.h"
 #include "speech/program/program.h"
 
@@ -34,8 +34,8 @@ class QuestionReader {
 
   /// Nothing: it reads no program, or that nothing of the memory answers the question.
   /// Errors: those of Memory::query.
-  virtual Result<std::optional<ReadProgram>> read(std::string_view question, KnownFacts& facts,
-                                                  const Lexicon& lexicon, const Tagger& tagger,
+  virtual Result<std::optional<ReadProgram>> read(const QuestionInWords& question,
+                                                  KnownFacts& facts, const Lexicon& lexicon,
                                                   Time now, DayZone zone) = 0;
 };
 

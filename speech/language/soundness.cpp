@@ -6,6 +6,7 @@
 
 #include "speech/language/grammar_rules.h"
 #include "speech/language/words.h"
+#include "speech/program/filter_texts.h"
 
 namespace engram::speech {
 
@@ -25,12 +26,7 @@ void add_names(const Program& program, FilterKey key, std::vector<std::string>& 
   for (const ProgramFilter& filter : program.filters) {
     add_inner(filter.value);
     if (filter.key != key) continue;
-    std::string_view left = filter.value.text;
-    while (!left.empty()) {
-      const size_t comma = std::min(left.find(','), left.size());
-      names.emplace_back(left.substr(0, comma));
-      left.remove_prefix(std::min(comma + 1, left.size()));
-    }
+    for (std::string& name : names_in_list(filter.value.text)) names.push_back(std::move(name));
   }
   for (const ProgramStep& step : program.steps)
     if (step.argument) add_inner(*step.argument);

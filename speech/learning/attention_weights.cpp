@@ -15,7 +15,7 @@ constexpr const char* kGroup = "/attention";
 constexpr const char* kWeights = "/attention/weights";
 constexpr const char* kSymbols = "/attention/symbols";
 /// Counts what the numbers of words and groups mean.
-constexpr int64_t kVersion = 1;
+constexpr int64_t kVersion = 2;
 
 Status write(AttentionLayers& layers, const AttentionRecord& record,
              const std::filesystem::path& path) {

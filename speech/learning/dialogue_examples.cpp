@@ -15,6 +15,8 @@ namespace engram::speech {
 namespace {
 
 constexpr float kParts = 64;
+/// AttentionExample::main of a group that the program does not look at.
+constexpr uint8_t kOtherSource = 2;
 
 bool is_near(double a, double b, double max_apart) {
   return std::abs(a - b) <= max_apart;
@@ -67,43 +69,49 @@ class ExampleMaker {
   Status add(const Dialogue& dialogue, std::vector<AttentionExample>& examples,
              ExampleCounts& counts) {
     ++counts.dialogues;
-    const auto asked = attended_question(dialogue.question, *facts_, lexicon_, *tagger_,
-                                         dialogue.now, DayZone::kUtc);
-    if (!asked.ok() || asked->input.words.empty()) return {};
+    const auto words = in_words(dialogue.question, dialogue.now);
+    // What is no text to read is refused before any network is asked.
+    if (!words.ok()) return {};
+    auto asked = attended_question(*words, *facts_, lexicon_, dialogue.now, DayZone::kUtc);
+    if (asked.status().code() == StatusCode::kInvalidArgument) return {};
+    ENGRAM_RETURN_IF_ERROR(asked.status());
+    if (asked->input.words.empty()) return {};
     AttentionExample example{.words = asked->input.words, .attended = asked->input.attended};
     for (const AttentionInput::Traits& traits : asked->input.groups)
       example.groups.push_back(packed(traits));
-    example.is_held_out = !dialogue.held_out.empty();
-    example.is_new_wording = std::find(dialogue.held_out.begin(), dialogue.held_out.end(),
-                                       "phrasing") != dialogue.held_out.end();
+    std::optional<Program> told;
     if (is_unknown(dialogue.value)) {
       example.symbols = {kRefusalSymbol, kEndSymbol};
-      example.main.assign(example.groups.size(), 2);
+      example.main.assign(example.groups.size(), kOtherSource);
       ++counts.refusals;
-      examples.push_back(std::move(example));
-      return {};
+    } else {
+      ENGRAM_ASSIGN_OR_RETURN(const auto program, right_program(dialogue));
+      if (!program) {
+        ++counts.unread;
+        return {};
+      }
+      ENGRAM_ASSIGN_OR_RETURN(told, tell(*program, dialogue, *asked, example));
+      if (!told) {
+        ++counts.unlike;
+        return {};
+      }
+      ++counts.programs;
     }
-    ENGRAM_ASSIGN_OR_RETURN(const auto program, right_program(dialogue));
-    if (!program) {
-      ++counts.unread;
-      return {};
-    }
-    ENGRAM_ASSIGN_OR_RETURN(const bool is_told, tell(*program, dialogue, *asked, example));
-    if (!is_told) {
-      ++counts.unlike;
-      return {};
-    }
-    ++counts.programs;
-    examples.push_back(std::move(example));
+    keep(std::move(example), dialogue, {*std::move(asked), std::move(told)}, examples);
     return {};
   }
 
  private:
+  Result<QuestionInWords> in_words(const std::string& question, Time now) const {
+    return question_in_words(question, lexicon_, *tagger_, now, DayZone::kUtc);
+  }
+
   /// The grammar's program for the question in plain words, if it answers it rightly.
   Result<std::optional<Program>> right_program(const Dialogue& dialogue) {
     for (const std::string& words : dialogue.plain) {
-      const ParsedQuestion parsed =
-          parse_question(words, lexicon_, *tagger_, dialogue.now, DayZone::kUtc);
+      const auto plain = in_words(words, dialogue.now);
+      if (!plain.ok()) continue;
+      const ParsedQuestion parsed = parse_question(*plain, lexicon_);
       if (!parsed.program) continue;
       const auto outcome = execute(*parsed.program, *facts_, dialogue.now, DayZone::kUtc);
       if (!outcome.ok() && outcome.status().code() == StatusCode::kInvalidArgument) continue;
@@ -116,30 +124,44 @@ class ExampleMaker {
   static std::vector<uint8_t> kept(const Program& program, const AttendedQuestion& asked) {
     std::vector<uint8_t> flags;
     for (const EpisodeGroup& group : asked.groups)
-      flags.push_back(group.source != program.source       ? 2
+      flags.push_back(group.source != program.source       ? kOtherSource
                       : keeps(program, group, asked.names) ? 1
                                                            : 0);
     return flags;
   }
 
-  /// Tells the program as an example; false where that has another answer.
-  Result<bool> tell(const Program& program, const Dialogue& dialogue, const AttendedQuestion& asked,
-                    AttentionExample& example) {
-    const auto symbols = symbols_of(program, asked.names, asked.words.times);
-    if (!symbols) return false;
+  /// Tells the program as an example, and returns what that tells; nothing where it has another
+  /// answer.
+  Result<std::optional<Program>> tell(const Program& program, const Dialogue& dialogue,
+                                      const AttendedQuestion& asked, AttentionExample& example) {
+    const auto symbols = symbols_of(program, asked.names, asked.times);
+    if (!symbols) return std::optional<Program>();
     example.symbols = *symbols;
     example.main = kept(program, asked);
     if (const Program* within = program_within(program)) example.other = kept(*within, asked);
     // What the words of others name may be less than what the plain words do.
-    const auto told = program_told(*symbols, asked.names, asked.words.times);
-    if (!told) return false;
-    if (*told == program) return true;
+    auto told = program_told(*symbols, asked.names, asked.times);
+    if (!told || *told == program) return told;
     const auto outcome = execute(*told, *facts_, dialogue.now, DayZone::kUtc);
-    if (!outcome.ok() && outcome.status().code() == StatusCode::kInvalidArgument) return false;
+    if (outcome.status().code() == StatusCode::kInvalidArgument) return std::optional<Program>();
     ENGRAM_RETURN_IF_ERROR(outcome.status());
-    return is_right(outcome->value, dialogue);
+    return is_right(outcome->value, dialogue) ? told : std::nullopt;
   }
 
+  /// Of what is held out some are kept, to measure with.
+  void keep(AttentionExample example, const Dialogue& dialogue, AttentionTrial trial,
+            std::vector<AttentionExample>& examples) {
+    constexpr size_t kHeldOutForOneTrial = 8;
+    if (!dialogue.held_out.empty()) {
+      if (held_out_++ % kHeldOutForOneTrial != 0) return;
+      example.is_new_wording = std::find(dialogue.held_out.begin(), dialogue.held_out.end(),
+                                         "phrasing") != dialogue.held_out.end();
+      example.trial = std::make_shared<const AttentionTrial>(std::move(trial));
+    }
+    examples.push_back(std::move(example));
+  }
+
+  size_t held_out_ = 0;
   std::unique_ptr<KnownFacts> facts_;
   Lexicon lexicon_;
   std::unique_ptr<Tagger> tagger_;

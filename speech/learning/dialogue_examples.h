@@ -4,15 +4,23 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
 #include "ltm/core/progress.h"
 #include "memory/memory.h"
-#include "speech/attention/attention_input.h"
+#include "speech/attention/attention_reader.h"
 #include "speech/dialogues/make_dialogues.h"
 
 namespace engram::speech {
+
+/// A question as it is read later, to measure with.
+struct AttentionTrial {
+  AttendedQuestion asked;
+  std::optional<Program> program;  ///< As symbols tell it; nothing: it cannot be answered.
+};
 
 /// A question as numbers, with the program that answers it rightly.
 struct AttentionExample {
@@ -23,9 +31,11 @@ struct AttentionExample {
   std::vector<int32_t> symbols;  ///< With kEndSymbol.
   /// For each group: 1 if the program keeps it, 0 if not, 2 if it is of another source.
   std::vector<uint8_t> main;
-  std::vector<uint8_t> other;   ///< Of the program within; empty: there is none.
-  bool is_held_out = false;     ///< Of wording, name or seed: for measurements.
-  bool is_new_wording = false;  ///< Its wording is held out.
+  std::vector<uint8_t> other;  ///< Of the program within; empty: there is none.
+  /// Its wording, a name or the recording is held out: it is measured with, and nothing is learned
+  /// from it. Null: it is learned from.
+  std::shared_ptr<const AttentionTrial> trial{};
+  bool is_new_wording = false;  ///< Of a trial: its wording is held out.
 };
 
 /// Turns a float that is no trait beyond 0..3.98 to its nearest 64th, and back.
@@ -63,7 +73,7 @@ struct ExampleOptions {
 
 /// Makes dialogues of a memory, and examples of these. The program is that of the grammar for a
 /// plain wording of the same question; it counts only if its answer is the true one, and so is that
-/// of the program that is told by symbols and groups alone.
+/// of the program that symbols tell. Of what is held out one in eight is kept, to measure with.
 /// Errors: those of make_dialogues; kUnavailable if a file cannot be read.
 Result<ExampleCounts> add_examples(Memory& memory, const ExampleOptions& options,
                                    const std::stop_token& stop,

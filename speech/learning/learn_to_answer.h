@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -11,16 +13,18 @@
 
 namespace engram::speech {
 
+/// How a network learns to read questions.
 struct LearnOptions {
   Duration budget = std::chrono::minutes(60);
   int threads = 1;
   int64_t batch = 48;
   double learning_rate = 1e-3;
   uint64_t seed = 1;
-  /// A network whose weights it starts from, if it is there and of this version; empty: none.
+  /// A network whose weights it starts from; empty: it starts anew.
   std::filesystem::path start{};
-  /// Of what is told, so much is right of what was held out: the least confidence follows
-  /// from it.
+  /// Called between steps, and may wait, as while the robot is busy: that is no time of learning.
+  std::function<Status()> pause{};
+  /// So much of what is told of held-out questions is right: min_confidence follows from it.
   double min_right = 0.9;
   /// The same of what counts more than rules of the grammar.
   double sure_right = 0.95;
@@ -35,10 +39,11 @@ struct LearnReport {
   int64_t parameters = 0;
   double seconds = 0;
   double loss = 0;  ///< The mean of the last hundred steps.
-  /// Of the held-out examples: those whose symbols and selection are all right,
+  /// The share of the held-out questions that are read as the very program, or rightly as none, and
+  /// that of those whose wording is held out.
   double read_rightly = 0;
-  double new_wordings_read_rightly = 0;  ///< The same of those whose wording is held out.
-  /// those that the least confidence lets through, and how many of these are right.
+  double new_wordings_read_rightly = 0;
+  /// The share that is told from min_confidence on, and how much of that is right.
   double told = 0;
   double told_rightly = 0;
   double min_confidence = 1;
@@ -46,11 +51,11 @@ struct LearnReport {
 };
 
 /// Trains a network of the route of attention and writes it to `file`. Examples that are held out
-/// take no part in training; the least confidence is measured on them.
-/// Errors: kInvalidArgument if there are fewer than 100 examples, or options do not validate;
-/// kCancelled; kUnavailable.
+/// take no part in training; the limits of confidence are measured on those with a trial.
+/// Errors: kInvalidArgument if there are fewer than 100 examples, or options do not validate; those
+/// of load_attention for `start`; kCancelled, and then no file is written; kUnavailable.
 /// Threading: one thread that calls; `threads` that compute.
-Result<LearnReport> learn_to_answer(std::vector<AttentionExample> examples,
+Result<LearnReport> learn_to_answer(const std::vector<AttentionExample>& examples,
                                     const LearnOptions& options, const std::filesystem::path& file,
                                     const ProgressSink& progress, const std::stop_token& stop);
 
@@ -60,6 +65,7 @@ struct Lesson {
   ExampleOptions examples{.dialogues = {.count = 1500, .careless = 0.15}};
   LearnOptions options;
   std::filesystem::path file;
+  std::optional<Time> until{};  ///< When it is over, whatever the budget is.
 };
 
 struct LessonReport {
@@ -68,7 +74,8 @@ struct LessonReport {
 };
 
 /// Makes dialogues of stores, which are opened for reading alone, and learns from them.
-/// Errors: those of Memory::open, add_examples and learn_to_answer.
+/// Errors: those of Memory::open, add_examples and learn_to_answer; kResourceExhausted if no time
+/// is left once the dialogues are made.
 Result<LessonReport> learn_from(const Lesson& lesson, const ProgressSink& progress,
                                 const std::stop_token& stop);
 

@@ -5,20 +5,11 @@
 
 #include "ltm/core/ascii.h"
 #include "ltm/core/printable.h"
+#include "speech/program/filter_texts.h"
 
 namespace engram::speech {
 
 namespace {
-
-std::vector<std::string> comma_parts(const std::string& text) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    if (end > begin) parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
 
 /// An entity by its ID, or all that have a name.
 std::vector<ltm::MemoryId> entities_called(const KnownWorld& world, const std::string& name,
@@ -65,7 +56,7 @@ void RecordFilter::take_names(const Program& program) {
 void RecordFilter::take_entities(const std::string& text, bool is_thing) {
   const KnownWorld& world = facts_->world();
   (is_thing ? has_things_ : has_places_) = true;
-  std::vector<std::string> names = comma_parts(text);
+  std::vector<std::string> names = names_in_list(text);
   if (names.empty()) names.push_back(text);
   for (const std::string& name : names) {
     auto found = entities_called(world, name, is_thing);
@@ -109,7 +100,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
       take_entities(text, false);
       break;
     case FilterKey::kSkill: {
-      skills_ = comma_parts(lower);
+      skills_ = names_in_list(lower);
       const auto& known = facts_->names().skills();
       const bool is_known = std::any_of(skills_.begin(), skills_.end(), [&](const auto& name) {
         return std::find(known.begin(), known.end(), name.substr(name.rfind('/') + 1)) !=
@@ -119,7 +110,7 @@ void RecordFilter::take_name(FilterKey key, const std::string& text) {
       break;
     }
     case FilterKey::kSpeaker:
-      speakers_ = comma_parts(lower);
+      speakers_ = names_in_list(lower);
       for (const std::string& speaker : speakers_)
         if (!is_speaker_known(facts_->names(), speaker)) miss("person who spoke");
       break;
@@ -217,14 +208,10 @@ bool RecordFilter::is_speaker(const std::string& speaker) const {
 bool RecordFilter::has_outcome(const Execution& execution) const {
   using ltm::ActionOutcome;
   if (outcome_.empty()) return true;
-  if (outcome_ == "problem")
-    return execution.outcome == ActionOutcome::kFailure ||
-           execution.outcome == ActionOutcome::kStop;
   // What was begun again since does not run, though no end of it is known.
   if (outcome_ == "running")
     return execution.outcome == ActionOutcome::kRunning && execution.latest_end() > facts_->now();
-  if (outcome_ == "lost") return execution.outcome == ActionOutcome::kUnknown;
-  return ltm::name_of(execution.outcome) == outcome_;
+  return fits_outcome(outcome_, execution.outcome);
 }
 
 Result<bool> RecordFilter::keeps(const Execution& execution) {

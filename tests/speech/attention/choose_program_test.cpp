@@ -105,6 +105,14 @@ TEST_F(ProgramSymbols, ThatMakeNoSenseAreNoProgram) {
   }
 }
 
+Result<AttendedQuestion> attended(const char* question, KnownFacts& facts) {
+  const Lexicon lexicon(facts);
+  ENGRAM_ASSIGN_OR_RETURN(
+      const QuestionInWords words,
+      question_in_words(question, lexicon, *make_word_tagger(), second(60), DayZone::kUtc));
+  return attended_question(words, facts, lexicon, second(60), DayZone::kUtc);
+}
+
 /// Says what a test tells it to say.
 class ToldNetwork final : public AttentionNetwork {
  public:
@@ -126,12 +134,9 @@ class Attention : public ::testing::Test {
   std::optional<AttendedProgram> read(const char* question, const char* program, const char* kept) {
     auto facts = KnownFacts::read(kitchen_.memory());
     EXPECT_OK(facts);
-    const Lexicon lexicon(**facts);
-    const auto tagger = make_word_tagger();
-    const auto asked =
-        attended_question(question, **facts, lexicon, *tagger, second(60), DayZone::kUtc);
+    const auto asked = attended(question, **facts);
     EXPECT_OK(asked);
-    const auto symbols = symbols_of(program_of(program), asked->names, asked->words.times);
+    const auto symbols = symbols_of(program_of(program), asked->names, asked->times);
     EXPECT_TRUE(symbols);
     AttentionScores scores;
     scores.readings.push_back({*symbols, -0.1, {}, {}});
@@ -139,7 +144,7 @@ class Attention : public ::testing::Test {
       scores.readings[0].main.push_back(keeps(program_of(kept), group, asked->names) ? 5.0F
                                                                                      : -5.0F);
     scores.readings[0].other.assign(asked->groups.size(), -5.0F);
-    return choose_program(scores, asked->groups, asked->names, asked->words.times);
+    return choose_program(scores, asked->groups, asked->names, asked->times);
   }
 
   RememberedKitchen kitchen_;
@@ -214,10 +219,8 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
 TEST_F(Attention, KnowsNoNames) {
   auto facts = KnownFacts::read(kitchen_.memory());
   ASSERT_OK(facts);
-  const Lexicon lexicon(**facts);
-  const auto tagger = make_word_tagger();
   const auto words_of = [&](const char* question) {
-    auto asked = attended_question(question, **facts, lexicon, *tagger, second(60), DayZone::kUtc);
+    auto asked = attended(question, **facts);
     EXPECT_OK(asked);
     return asked->input.words;
   };
@@ -232,10 +235,7 @@ TEST_F(Attention, KnowsNoNames) {
 TEST_F(Attention, GroupsWhatIsAlike) {
   auto facts = KnownFacts::read(kitchen_.memory());
   ASSERT_OK(facts);
-  const Lexicon lexicon(**facts);
-  const auto tagger = make_word_tagger();
-  const auto of_salt = attended_question("Did you pick up the salt?", **facts, lexicon, *tagger,
-                                         second(60), DayZone::kUtc);
+  const auto of_salt = attended("Did you pick up the salt?", **facts);
   ASSERT_OK(of_salt);
   size_t executions = 0;
   for (const EpisodeGroup& group : of_salt->groups)
@@ -245,8 +245,7 @@ TEST_F(Attention, GroupsWhatIsAlike) {
   // A hundred words are no question.
   std::string many;
   for (int i = 0; i < 100; ++i) many += "salt ";
-  EXPECT_FAILS(attended_question(many, **facts, lexicon, *tagger, second(60), DayZone::kUtc),
-               StatusCode::kInvalidArgument, "words");
+  EXPECT_FAILS(attended(many.c_str(), **facts), StatusCode::kInvalidArgument, "words");
 }
 
 }  // namespace
