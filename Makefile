@@ -74,7 +74,8 @@ help:
 	@echo "make saliency-bars   what a tenth of the snapshots of kitchens still answers (RECORDINGS, BARS=options)"
 	@echo "make reflection-bars 200 faults in kitchens: how many are found, and false alarms (BARS=options)"
 	@echo "make replay-bars is a replay the memory that it was: bytes, leaks, order, seeks (BARS=options)"
-	@echo "make ask-bars    2,000 questions about 40 kitchens: answered rightly, refused, how soon (BARS=options)"
+	@echo "make ask-bars    2,000 questions each of seven kinds about 40 kitchens: answered rightly, refused, how"
+	@echo "             soon; first it trains what reads questions (ANSWERS_BUDGET=60m, BARS=options)"
 	@echo "make viewer-bars how quick the viewer is, in a browser (BARS='--scale STORE')"
 	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
@@ -288,13 +289,27 @@ reflection-bars: build
 
 # Options: experiments/ask/ask_bars.py --help
 ask-bars: experiments build build/ask/answers.attention
-	$(ASK_BARS) --hostile experiments/ask/hostile.jsonl --json build/ask_bars.json $(BARS)
-	$(ASK_BARS) --attention build/ask/answers.attention --route attention \
-	  --json build/ask_bars_attention.json $(BARS)
-	$(ASK_BARS) --attention build/ask/answers.attention --written --split held-out \
+	@echo "== rules, the generator's own words"
+	$(ASK_BARS) --route program $(HOSTILE) --json build/ask_bars_rules.json $(BARS)
+	@echo "== network, the same"
+	$(ASK_BARS) --route attention $(NETWORK) --bar 80 --json build/ask_bars_network.json $(BARS)
+	@echo "== rules and network, the same"
+	$(ASK_BARS) $(NETWORK) $(HOSTILE) --json build/ask_bars.json $(BARS)
+	@echo "== rules, words of others"
+	$(ASK_BARS) --route program $(FOREIGN) --json build/ask_bars_foreign_rules.json $(BARS)
+	@echo "== rules and network, words of others"
+	$(ASK_BARS) $(NETWORK) $(FOREIGN) --json build/ask_bars_foreign.json $(BARS)
+	@echo "== rules, wordings that come with Engram and were held out"
+	$(ASK_BARS) --route program --written --split held-out --bar 85 \
+	  --json build/ask_bars_written_rules.json $(BARS)
+	@echo "== rules and network, the same"
+	$(ASK_BARS) $(NETWORK) --written --split held-out --bar 85 \
 	  --json build/ask_bars_written.json $(BARS)
-	$(ASK_BARS) --attention build/ask/answers.attention --json build/ask_bars_foreign.json \
-	  --phrasings experiments/ask/foreign_questions.jsonl $(BARS)
+	@echo "== rules and network, 30 days in one store"
+	$(ASK_BARS) $(NETWORK) --days 30 --questions 300 --json build/ask_bars_days.json $(BARS)
+NETWORK = --attention build/ask/answers.attention
+HOSTILE = --hostile experiments/ask/hostile.jsonl
+FOREIGN = --phrasings experiments/ask/foreign_questions.jsonl --bar 85
 ASK_BARS = PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.py \
   build/release/bin/engram build/experiments/ask/engram_make_dialogues
 # What reads questions by attention, of 20 kitchens that are asked nothing later: an hour on a core.

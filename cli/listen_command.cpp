@@ -19,6 +19,7 @@ constexpr const char* kListenFooter =
     R"(Answers what a living robot is asked, until Ctrl-C: it has the skill speech/answer of the server,
 which the memory starts for all words in Speech/Commands that end with a question mark. Answers are
 committed to Speech/Answers, with links to the words and to what they were read from, and printed.
+Rules read the questions, and with --attention a network, too.
 
 Examples:
   engram listen

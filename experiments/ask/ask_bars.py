@@ -10,6 +10,7 @@ import argparse
 import collections
 import datetime
 import json
+import os
 import pathlib
 import random
 import re
@@ -157,12 +158,16 @@ def ask_options(arguments):
 
 def ask(arguments, store, dialogues):
     """Asks each at its time, or at the last moment of the store where it has none."""
-    file = arguments.work / "questions.jsonl"
+    # Several runs may share the kitchens.
+    file = arguments.work / f"questions-{os.getpid()}.jsonl"
     asked = [{name: one[name] for name in ("question", "now") if name in one}
              for one in dialogues]
     file.write_text("".join(json.dumps(one) + "\n" for one in asked))
-    lines = run(arguments.engram, "ask", store, "--questions", file, "--json",
-                *ask_options(arguments)).splitlines()
+    try:
+        lines = run(arguments.engram, "ask", store, "--questions", file, "--json",
+                    *ask_options(arguments)).splitlines()
+    finally:
+        file.unlink()
     answers = [json.loads(line) for line in lines if line.strip()]
     if len(answers) != len(dialogues):
         sys.exit(f"{store}: {len(dialogues)} questions got {len(answers)} answers")
@@ -292,7 +297,7 @@ def percent(value):
     return "-" if value is None else f"{100 * value:.1f} %"
 
 
-def print_summary(figures):
+def print_summary(figures, bar):
     print(f"{'family':15} {'questions':>9} {'right':>8} {'refused':>8} {'blind':>8}")
     for family, one in figures["families"].items():
         print(f"{family:15} {one['questions']:9} {percent(one['right']):>8} "
@@ -302,18 +307,18 @@ def print_summary(figures):
     for route, one in figures["routes"].items():
         print(f"said by {route + ':':15} {one['said']:6}, of these right "
               f"{percent(one['right'])}")
-    rows = [("right, of what can be answered", percent(figures["right"]), "97 %"),
+    rows = [("right, of what can be answered", percent(figures["right"]), f"{bar:g} %"),
             ("the same, blind", percent(figures["blind"]), "printed"),
             ("refused, of what cannot be", percent(figures["unanswerable_refused"]), "95 %"),
-            ("right, and shown by evidence", percent(figures["right_and_shown"]), "97 %"),
+            ("right, and shown by evidence", percent(figures["right_and_shown"]), f"{bar:g} %"),
             ("of the right ones, those shown", percent(figures["right_that_are_shown"]), "printed"),
             ("said with evidence that exists", percent(figures["said_with_evidence"]), "100 %"),
             ("said by what came after `now`", percent(figures["said_of_later"]), "0 %")]
-    for name, ms, bar in (("p50", figures["p50_ms"], 50), ("p95", figures["p95_ms"], 300)):
-        rows.append((f"time to answer, {name}", "-" if ms is None else f"{ms:.1f} ms", f"{bar} ms"))
+    for name, ms, max_ms in (("p50", figures["p50_ms"], 50), ("p95", figures["p95_ms"], 300)):
+        rows.append((f"time to answer, {name}", "-" if ms is None else f"{ms:.1f} ms", f"{max_ms} ms"))
     print()
-    for name, value, bar in rows:
-        print(f"{name:34} {value:>9}   bar {bar}")
+    for name, value, wanted in rows:
+        print(f"{name:34} {value:>9}   bar {wanted}")
 
 
 def main():
@@ -328,7 +333,11 @@ def main():
     parser.add_argument("--split", default="all", choices=["all", "train", "held-out"])
     parser.add_argument("--careless", type=float, default=0,
                         help="share of questions in small letters or with letters swapped")
-    parser.add_argument("--phrasings", type=pathlib.Path, help="questions in the words of others")
+    words = parser.add_mutually_exclusive_group()
+    words.add_argument("--phrasings", type=pathlib.Path, help="questions in the words of others")
+    words.add_argument("--written", action="store_true",
+                       help="questions in the wordings that come with Engram")
+    parser.add_argument("--bar", type=float, default=97, help="%% that should be right")
     parser.add_argument("--hostile", type=pathlib.Path,
                         help="texts that must be refused, JSON lines with a question each, "
                              "which is said `repeat` times")
@@ -338,8 +347,6 @@ def main():
     parser.add_argument("--work", type=pathlib.Path, default=pathlib.Path("build/ask"))
     parser.add_argument("--json", type=pathlib.Path, help="file for the figures")
     parser.add_argument("--rows", type=pathlib.Path, help="file for each question with its answer")
-    parser.add_argument("--written", action="store_true",
-                        help="questions in the wordings that come with Engram")
     parser.add_argument("--attention", type=pathlib.Path,
                         help="a network of engram learn-answers")
     parser.add_argument("--route", default="auto", choices=["auto", "program", "attention"])
@@ -356,7 +363,7 @@ def main():
     figures = summary(rows)
     if lines:
         figures["phrasings"] = lines
-    print_summary(figures)
+    print_summary(figures, arguments.bar)
     if arguments.hostile:
         figures["hostile"] = hostile(arguments, stores[0])
         print("hostile texts refused: {refused} of {texts}, at most {max_ms:.1f} ms".format(

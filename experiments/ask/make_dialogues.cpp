@@ -57,9 +57,11 @@ int run(int argc, char** argv) {
   app.add_option("--careless", options.careless,
                  "Share of questions in small letters or with two letters swapped")
       ->capture_default_str();
-  app.add_option("--phrasings", arguments.phrasings, "Questions in the words of others, JSON lines")
-      ->check(CLI::ExistingFile);
-  app.add_flag("--written", arguments.is_written, "In the wordings that come with Engram");
+  CLI::Option* phrasings = app.add_option("--phrasings", arguments.phrasings,
+                                          "Questions in the words of others, JSON lines")
+                               ->check(CLI::ExistingFile);
+  app.add_flag("--written", arguments.is_written, "In the wordings that come with Engram")
+      ->excludes(phrasings);
   CLI11_PARSE(app, argc, argv);
   log::set_level(log::Level::kWarning);
   for (const std::string& store : arguments.stores) {

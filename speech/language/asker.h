@@ -37,8 +37,9 @@ struct Answer {
 
 /// Who reads a question as a program.
 enum class AskRoute {
-  /// The grammar, and the other reader where no rule fits, or where that is sure of another
-  /// program.
+  /// Both: the other reader where no rule fits, or where it is sure; the grammar where both find the
+  /// same, or the other reads nothing. Where they find different things and neither is sure, the
+  /// question is not understood.
   kAuto,
   kProgram,  ///< The grammar alone.
   kReader,   ///< The other reader alone.

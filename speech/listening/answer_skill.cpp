@@ -13,7 +13,8 @@ namespace engram::speech {
 
 namespace {
 
-constexpr const char* kDescription = R"(name: answer
+/// Its name is kAnsweringSkill.
+constexpr const char* kDescription = R"(
 doc: Answers a question from what the memory has.
 parameters:
   question: {type: string, default: '', doc: What is asked; empty where words ask.}
@@ -48,7 +49,8 @@ class LiveAnswers final : public AnswerSkill {
         provider_(std::move(provider)) {}
 
   Status register_skill() {
-    return provider_->add(kDescription, [this](SkillRun& run) { return carry_out(run); });
+    return provider_->add(fmt::format("name: {}{}", kAnsweringSkill, kDescription),
+                          [this](SkillRun& run) { return carry_out(run); });
   }
 
   [[nodiscard]] size_t answered() const override { return answered_; }
@@ -65,8 +67,8 @@ class LiveAnswers final : public AnswerSkill {
     ENGRAM_RETURN_IF_ERROR(asker_->refresh());
     ENGRAM_ASSIGN_OR_RETURN(const Question question, question_of(run));
     ENGRAM_ASSIGN_OR_RETURN(const Answer answer, asker_->ask(question.text, question.now));
+    ++answered_;  // Whoever sees the answer sees that it was counted.
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId id, commit(answer, question, run));
-    ++answered_;
     if (options_.on_answer) options_.on_answer(answer);
     SkillEnd end = SkillEnd::success(answer.text);
     end.links.push_back(id);
@@ -109,7 +111,7 @@ class LiveAnswers final : public AnswerSkill {
 
   mutable Mutex mutex_;
   const std::unique_ptr<Memory> memory_;
-  const std::unique_ptr<Asker> asker_;  ///< Guarded by mutex_.
+  const std::unique_ptr<Asker> asker_ ENGRAM_PT_GUARDED_BY(mutex_);
   const ltm::MemoryId answers_;
   const Options options_;
   Time last_ ENGRAM_GUARDED_BY(mutex_) = Time::min();

@@ -14,8 +14,8 @@ namespace engram::speech {
 /// starts by itself for words in `Speech/Commands` that end with a question mark. What is said is
 /// committed to `Speech/Answers`, with links to the words and to the evidence.
 ///
-/// A question is answered as of the moment at which it was asked. A failure of the skill is one of
-/// the memory; not to know is an answer.
+/// A question is answered as of the moment at which it was asked. Not to know is an answer; the
+/// skill fails where the memory does, or where `words` is no link to words.
 ///
 /// Owns: its connections to the server.
 /// Threading: thread-safe. Questions are answered one after the other.
