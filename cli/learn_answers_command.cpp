@@ -13,11 +13,13 @@ namespace engram::cli {
 namespace {
 
 constexpr const char* kLearnAnswersFooter =
-    R"(Learns to read questions that no rule of the grammar reads, as an offline job of an hour. Questions
+    R"(Learns to read questions as people ask them, as an offline job of an hour. Questions
 with true answers are made from what the stores tell (docs/dialogues.md), in thousands of wordings; a
 network learns which episodes of a memory each is about, and what of them is asked for. What it reads
 is executed as any program, so it invents nothing, and what it is not sure of is not told.
 The network knows no names. One that was trained on some kitchens serves other memories, too.
+Where it is cut off by Ctrl-C or a kill, the same command goes on with what was learned a minute
+before at most.
 
 Examples:
   engram learn-answers kitchen.engram --budget 10m

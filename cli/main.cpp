@@ -146,7 +146,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 15> kInterruptNot
     {"export", "what it began to write is not whole; an export to a vault goes on"},
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
-    {"learn-answers", "what was learned before is as it was"},
+    {"learn-answers", "what was learned before is as it was; the same command goes on"},
     {"map", "a file or a map is whole, or not there"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},

@@ -22,6 +22,7 @@ constexpr double kForgottenParts = 0.15;
 /// step (Polyak and Juditsky, 1992).
 constexpr double kMeanDecay = 0.998;
 constexpr size_t kBatchesInWindow = 16;
+constexpr double kKeepEvery_s = 60;
 
 /// The cross entropy of the symbols, and that of the selections.
 torch::Tensor loss_of(AttentionLayers& layers, const LearnedBatch& batch) {
@@ -66,7 +67,7 @@ class AttentionFit {
     });
   }
 
-  Status train(const ProgressSink& progress, const std::stop_token& stop) {
+  Status train(const KeepLayers& keep, const ProgressSink& progress, const std::stop_token& stop) {
     torch::optim::AdamW optimiser(
         layers_->parameters(),
         torch::optim::AdamWOptions(options_.learning_rate).weight_decay(0.01));
@@ -75,11 +76,19 @@ class AttentionFit {
     const double budget = to_seconds(options_.budget);
     layers_->train();
     for (;; ++report_.steps) {
-      if (stop.stop_requested()) return cancelled("learning to answer was stopped");
       const SteadyTime before = steady_now();
-      if (options_.pause) ENGRAM_RETURN_IF_ERROR(options_.pause());
+      Status goes_on = options_.pause ? options_.pause() : Status();
+      if (stop.stop_requested()) goes_on = cancelled("learning to answer was stopped");
+      if (!goes_on.ok()) {
+        if (report_.steps > 0) ENGRAM_RETURN_IF_ERROR(keep_mean(keep));
+        return goes_on;
+      }
       paused += steady_now() - before;
       report_.seconds = to_seconds(steady_now() - began - paused);
+      if (report_.seconds - kept_ >= kKeepEvery_s) {
+        kept_ = report_.seconds;
+        ENGRAM_RETURN_IF_ERROR(keep_mean(keep));
+      }
       const double share = report_.seconds / budget;
       if (share >= 1) break;
       set_rate(optimiser, share);
@@ -94,14 +103,24 @@ class AttentionFit {
       take_mean();
       tell(loss.item<double>(), share, budget, progress);
     }
-    torch::NoGradGuard no_gradient;
-    const auto weights = layers_->parameters();
-    for (size_t i = 0; i < weights.size() && !mean_.empty(); ++i) weights[i].copy_(mean_[i]);
+    if (!mean_.empty()) set_weights(layers_, mean_);
     layers_->eval();
     return {};
   }
 
  private:
+  static void set_weights(AttentionLayers& layers, const std::vector<torch::Tensor>& weights) {
+    torch::NoGradGuard no_gradient;
+    const auto own = layers->parameters();
+    for (size_t i = 0; i < own.size(); ++i) own[i].copy_(weights[i]);
+  }
+
+  Status keep_mean(const KeepLayers& keep) {
+    AttentionLayers kept;
+    set_weights(kept, mean_);
+    return keep(kept);
+  }
+
   void take_mean() {
     torch::NoGradGuard no_gradient;
     const auto weights = layers_->parameters();
@@ -170,14 +189,15 @@ class AttentionFit {
   LearnReport& report_;
   std::mt19937_64 random_;
   std::vector<torch::Tensor> mean_;  ///< Of the weights.
+  double kept_ = 0;                  ///< When, in seconds of learning.
 };
 
 }  // namespace
 
 Status fit_attention(AttentionLayers& layers, std::vector<const AttentionExample*> examples,
-                     const LearnOptions& options, LearnReport& report, const ProgressSink& progress,
-                     const std::stop_token& stop) {
-  return AttentionFit(layers, std::move(examples), options, report).train(progress, stop);
+                     const LearnOptions& options, LearnReport& report, const KeepLayers& keep,
+                     const ProgressSink& progress, const std::stop_token& stop) {
+  return AttentionFit(layers, std::move(examples), options, report).train(keep, progress, stop);
 }
 
 }  // namespace engram::speech

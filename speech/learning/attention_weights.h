@@ -5,6 +5,7 @@
 
 #include "ltm/core/status.h"
 #include "speech/learning/attention_layers.h"
+#include "speech/learning/learn_to_answer.h"
 
 // Private to this room: includes LibTorch.
 
@@ -12,8 +13,8 @@ namespace engram::speech {
 
 /// What is kept beside the weights.
 struct AttentionRecord {
-  double min_confidence = 1;
-  double sure_confidence = 1;
+  double min_confidence = kNeverSure;
+  double sure_confidence = kNeverSure;
   int64_t examples = 0;  ///< That it was trained with.
   double seconds = 0;    ///< Of training.
 };

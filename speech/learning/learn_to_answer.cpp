@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "encoders/threads.h"
+#include "ltm/core/log.h"
 #include "speech/learning/attention_fit.h"
 #include "speech/learning/attention_weights.h"
 #include "speech/learning/measure_reading.h"
@@ -16,6 +17,21 @@ constexpr size_t kMinExamples = 100;
 /// Measuring takes about so long, and is part of the time that ends at a moment.
 constexpr Duration kMeasuring = std::chrono::seconds(30);
 
+/// Where a lesson is kept that was cut off, behind the name of its file.
+constexpr const char* kUnfinished = ".unfinished";
+
+/// Those of a lesson that was cut off, else those that the options name, else new ones.
+Result<AttentionLayers> layers_to_begin_with(const std::filesystem::path& unfinished,
+                                             const LearnOptions& options) {
+  if (auto kept = read_attention(unfinished); kept.ok()) {
+    log::info("learning to answer goes on from '{}'", unfinished.string());
+    return kept->layers;
+  }
+  if (options.start.empty()) return AttentionLayers();
+  ENGRAM_ASSIGN_OR_RETURN(const SavedAttention start, read_attention(options.start));
+  return start.layers;
+}
+
 Result<LearnReport> learn(const std::vector<AttentionExample>& examples,
                           const LearnOptions& options, const std::filesystem::path& file,
                           const ProgressSink& progress, const std::stop_token& stop) {
@@ -27,20 +43,23 @@ Result<LearnReport> learn(const std::vector<AttentionExample>& examples,
                             kMinExamples);
   encoders::set_threads(options.threads);
   torch::manual_seed(static_cast<int64_t>(options.seed));
-  AttentionLayers layers;
-  if (!options.start.empty()) {
-    ENGRAM_ASSIGN_OR_RETURN(const SavedAttention start, read_attention(options.start));
-    layers = start.layers;
-  }
+  std::filesystem::path unfinished = file;
+  unfinished += kUnfinished;
+  ENGRAM_ASSIGN_OR_RETURN(AttentionLayers layers, layers_to_begin_with(unfinished, options));
   LearnReport report{.examples = learned.size()};
   for (const torch::Tensor& tensor : layers->parameters()) report.parameters += tensor.numel();
+  const auto keep = [&](AttentionLayers& kept) {
+    return save_attention(kept, {.examples = static_cast<int64_t>(report.examples)}, unfinished);
+  };
   ENGRAM_RETURN_IF_ERROR(
-      fit_attention(layers, std::move(learned), options, report, progress, stop));
+      fit_attention(layers, std::move(learned), options, report, keep, progress, stop));
   ENGRAM_RETURN_IF_ERROR(measure_reading(layers, examples, options, report, stop));
   ENGRAM_RETURN_IF_ERROR(save_attention(layers,
                                         {report.min_confidence, report.sure_confidence,
                                          static_cast<int64_t>(report.examples), report.seconds},
                                         file));
+  std::error_code error;
+  std::filesystem::remove(unfinished, error);
   return report;
 }
 

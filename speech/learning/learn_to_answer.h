@@ -13,6 +13,9 @@
 
 namespace engram::speech {
 
+/// More than any confidence: nothing is told.
+inline constexpr double kNeverSure = 2;
+
 /// How a network learns to read questions.
 struct LearnOptions {
   Duration budget = std::chrono::minutes(60);
@@ -46,15 +49,16 @@ struct LearnReport {
   /// The share that is told from min_confidence on, and how much of that is right.
   double told = 0;
   double told_rightly = 0;
-  double min_confidence = 1;
-  double sure_confidence = 1;
+  double min_confidence = kNeverSure;
+  double sure_confidence = kNeverSure;
 };
 
 /// Trains a network of the route of attention and writes it to `file`. Examples that are held out
 /// take no part in training; the limits of confidence are measured on those with a trial.
 /// Errors: kInvalidArgument if there are fewer than 100 examples, or options do not validate; those
-/// of load_attention for `start`; kCancelled, and then no file is written; kUnavailable.
-/// Threading: one thread that calls; `threads` that compute.
+/// of load_attention for `start`; kCancelled; kUnavailable. Where it ends early, `file` is as it
+/// was, and "<file>.unfinished" has what was learned, from which the next lesson with this file
+/// goes on. Threading: one thread that calls; `threads` that compute.
 Result<LearnReport> learn_to_answer(const std::vector<AttentionExample>& examples,
                                     const LearnOptions& options, const std::filesystem::path& file,
                                     const ProgressSink& progress, const std::stop_token& stop);

@@ -123,6 +123,29 @@ TEST_F(LearnToAnswer, LeavesNoFileWhereItWasStopped) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
+TEST_F(LearnToAnswer, GoesOnWhereItWasCutOff) {
+  std::stop_source stop;
+  LearnOptions options;
+  options.batch = 16;
+  size_t steps = 0;
+  options.pause = [&]() -> Status {
+    if (++steps == 4) stop.request_stop();
+    return {};
+  };
+  EXPECT_FAILS(learn_to_answer(examples(), options, file(), {}, stop.get_token()),
+               StatusCode::kCancelled, "stopped");
+  auto unfinished = file();
+  unfinished += ".unfinished";
+  EXPECT_FALSE(std::filesystem::exists(file()));
+  // It is a network, which is sure of nothing.
+  const auto kept = load_attention(unfinished);
+  ASSERT_OK(kept);
+  EXPECT_EQ((*kept)->min_confidence(), kNeverSure);
+  ASSERT_OK(learn(milliseconds(200)));
+  EXPECT_TRUE(std::filesystem::exists(file()));
+  EXPECT_FALSE(std::filesystem::exists(unfinished));
+}
+
 TEST_F(LearnToAnswer, NeedsExamplesAndSense) {
   EXPECT_FAILS(learn_to_answer({examples()[0]}, {}, file(), {}, {}), StatusCode::kInvalidArgument,
                "examples");
