@@ -21,6 +21,7 @@ import argparse
 import concurrent.futures
 import contextlib
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -29,6 +30,7 @@ import subprocess
 import sys
 import threading
 import time
+import traceback
 
 import numpy as np
 
@@ -356,12 +358,27 @@ def live(world: Processes, thing: str, of: type[WallTime]) -> None:
         ask_for(world, memory, thing, now)
 
 
+@contextlib.contextmanager
+def given_up(world: Processes):
+    """Ends this program at once where what it encloses fails. A planner waits for skills, and where
+    held time no longer passes they never end, so leaving its provider would wait for ever."""
+    try:
+        yield
+    except BaseException:  # pylint: disable=broad-except
+        traceback.print_exc()
+        with contextlib.suppress(RuntimeError):
+            world.__exit__(None, None, None)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(1)
+
+
 def ask_for(world: Processes, memory: engram.Memory, thing: str, now: WallTime) -> None:
     memory.commit("Navigation/Location/people/ada", {
         "name": "Ada", "aliases": ["the window"], "pose_world_location": np.array(ADA),
         "object": "", "pose_object_location": None}, now.stamp())
     planner = Planner(memory, now)
-    with engram.SkillProvider("planner", world.endpoint) as provider:
+    with engram.SkillProvider("planner", world.endpoint) as provider, given_up(world):
         for one in skills_of(planner):
             provider.add(one)
         # Why not: nothing is in the hand.
