@@ -21,22 +21,38 @@ bool is_ended_at(const Execution& execution, Time now) {
          (!execution.end_id || execution.end_id->time().value_or(now) <= now);
 }
 
-void forget_later(std::optional<ltm::MemoryId>& link, Time now) {
-  if (link && link->time().value_or(now) > now) link.reset();
+bool is_told_at(const Execution& execution, ToldMember member, Time now) {
+  return execution.told_at.at(static_cast<size_t>(member)) <= now;
 }
 
-Execution before_its_end(const Execution& execution, Time now) {
-  Execution running = execution;
-  running.end_id.reset();
-  running.ended.reset();
-  running.outcome = ltm::ActionOutcome::kRunning;
-  running.reason.clear();
-  running.stopped_by.clear();
-  running.thing_after.reset();
-  forget_later(running.request, now);
-  forget_later(running.plan, now);
-  forget_later(running.thing_before, now);
-  return running;
+bool is_whole_at(const Execution& execution, Time now) {
+  return (!execution.ended || is_ended_at(execution, now)) &&
+         std::all_of(execution.told_at.begin(), execution.told_at.end(),
+                     [now](Time told) { return told <= now; });
+}
+
+/// An execution without what was told of it after `now`.
+Execution as_known_at(const Execution& execution, Time now) {
+  Execution known = execution;
+  if (execution.ended && !is_ended_at(execution, now)) {
+    known.end_id.reset();
+    known.ended.reset();
+    known.outcome = ltm::ActionOutcome::kRunning;
+    known.reason.clear();
+    known.stopped_by.clear();
+    known.thing_after.reset();
+  }
+  const auto forget = [&](std::optional<ltm::MemoryId>& link, ToldMember member) {
+    const bool is_later = link && link->time().value_or(now) > now;
+    if (is_later || !is_told_at(execution, member, now)) link.reset();
+  };
+  if (!is_told_at(execution, ToldMember::kHand, now)) known.hand.clear();
+  forget(known.thing, ToldMember::kThing);
+  forget(known.place, ToldMember::kPlace);
+  forget(known.request, ToldMember::kRequest);
+  forget(known.plan, ToldMember::kPlan);
+  forget(known.thing_before, ToldMember::kThingBefore);
+  return known;
 }
 
 }  // namespace
@@ -52,9 +68,9 @@ FactsAsOf::FactsAsOf(KnownFacts& facts, Time now)
   for (const Execution& execution : facts.executions()) {
     if (execution.started > now) break;
     if (execution.start_id.time().value_or(now) > now) continue;
-    const bool is_told = !execution.ended || is_ended_at(execution, now);
-    executions_.push_back(is_told ? &execution
-                                  : &running_.emplace_back(before_its_end(execution, now)));
+    executions_.push_back(is_whole_at(execution, now)
+                              ? &execution
+                              : &changed_.emplace_back(as_known_at(execution, now)));
   }
 }
 

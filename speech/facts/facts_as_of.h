@@ -13,12 +13,12 @@ namespace engram::speech {
 /// What a memory told at a moment, of which the memory may know the future by now.
 ///
 /// Nothing that was recorded later is in it: an execution that ended later is running, without its
-/// end, its reason and what stopped it. Only names are those of today: what things, places, skills
-/// and persons are called.
+/// end, its reason, what stopped it and what only later events told of it. Only names are those of
+/// today: what things, places, skills and persons are called.
 ///
 /// Owns: the executions that it changes; `facts` must outlive it, and must not be refreshed before.
 /// Threading: one thread.
-/// Complexity: looks at the start and end of each execution once, and copies the few that ended
+/// Complexity: looks at the times of each execution once, and copies the few of which more was told
 /// later.
 class FactsAsOf {
  public:
@@ -58,7 +58,7 @@ class FactsAsOf {
   KnownFacts& facts_;
   const Time now_;
   std::vector<const Execution*> executions_;
-  std::deque<Execution> running_;  ///< As they were before they ended.
+  std::deque<Execution> changed_;  ///< Those of which more was told later, as they were known.
   std::span<const SpokenWords> words_;
   std::span<const TaskPlan> plans_;
   std::span<const RefusedRequest> refusals_;

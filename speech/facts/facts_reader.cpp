@@ -224,11 +224,11 @@ void FactsReader::take(FactKind kind, const ltm::MemoryId& id, const idf::Data& 
 /// Brings the index into the order of time.
 void FactsReader::collect() {
   executions_ = execution_table_.in_order();
-  std::erase_if(executions_, [](const Execution& execution) {
-    return execution.skill == kAnsweringSkill && execution.provider == kAnsweringProvider;
-  });
-  std::erase_if(refusals_,
-                [](const RefusedRequest& refusal) { return refusal.skill == kAnsweringSkill; });
+  const auto is_of_answering = [](const auto& one) {
+    return one.skill == kAnsweringSkill && one.provider == kAnsweringProvider;
+  };
+  std::erase_if(executions_, is_of_answering);
+  std::erase_if(refusals_, is_of_answering);
   const auto by_time = [](auto& records) {
     std::sort(records.begin(), records.end(), [](const auto& a, const auto& b) {
       return a.time != b.time ? a.time < b.time : a.id < b.id;

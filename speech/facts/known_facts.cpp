@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "ltm/filter/saturated_time.h"
 #include "speech/facts/fact_members.h"
 #include "speech/facts/facts_reader.h"
 
@@ -37,9 +38,8 @@ std::string said_by(const idf::Data& value) {
   return {};
 }
 
-/// The times of a range, saturated.
-Time minus(Time time, Duration duration) {
-  return time.time_since_epoch() < Duration::min() + duration ? Time::min() : time - duration;
+Duration twice(Duration duration) {
+  return duration > Duration::max() / 2 ? Duration::max() : duration * 2;
 }
 
 }  // namespace
@@ -168,8 +168,8 @@ Result<std::optional<ThingState>> KnownFacts::last_state(const ltm::MemoryId& en
                                                          Time to, const StateTest& fits) {
   size_t states_read = 0;
   Duration look = kFirstLook;
-  for (Time end = to; end >= from && states_read < kMaxStatesRead; look *= 2) {
-    const Time begin = std::max(from, minus(end, look));
+  for (Time end = to; end >= from && states_read < kMaxStatesRead; look = twice(look)) {
+    const Time begin = std::max(from, ltm::saturated_add(end, -look));
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
                             reader_->query(entity, ltm::select::TimeRange{begin, end}));
     if (const ltm::EntityResult* states = found.find_entity(entity)) {
@@ -197,7 +197,7 @@ Result<std::optional<ThingState>> KnownFacts::first_state(const ltm::MemoryId& e
   const ltm::EntityResult* oldest = first.find_entity(entity);
   if (oldest == nullptr || oldest->snapshots.empty()) return std::optional<ThingState>();
   Time begin = std::max(from, oldest->snapshots.front().time);
-  for (; begin <= to && states_read < kMaxStatesRead; look *= 2) {
+  for (; begin <= to && states_read < kMaxStatesRead; look = twice(look)) {
     const Time end = to - begin < look ? to : begin + look;
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found,
                             reader_->query(entity, ltm::select::TimeRange{begin, end}));

@@ -77,7 +77,7 @@ class KnownFacts {
     std::string speaker;  ///< Of words.
   };
   ///
-  /// Complexity: a query per link, once per execution.
+  /// Complexity: a query per link; of what has ended only once.
   Result<std::vector<Cause>> causes_of(const Execution& execution);
 
   /// How a thing was at `time`, by its last snapshot up to then; nothing where there is none.

@@ -2,6 +2,7 @@
 #include "speech/facts/known_world.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -122,6 +123,18 @@ std::string words_of_hand(const std::string& name) {
   if (words.size() > kHand.size() && words.ends_with(kHand))
     words.resize(words.size() - kHand.size());
   return words;
+}
+
+bool says_hand(const std::string& words) {
+  constexpr std::array<std::string_view, 3> kKinds{"hand", "gripper", "arm"};
+  return std::any_of(kKinds.begin(), kKinds.end(), [&](std::string_view kind) {
+    return words == kind || words.ends_with(" " + std::string(kind));
+  });
+}
+
+std::string spoken_hand(const std::string& name) {
+  std::string words = words_of_hand(name);
+  return says_hand(words) ? words : words + " hand";
 }
 
 }  // namespace engram::speech

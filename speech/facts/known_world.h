@@ -88,4 +88,9 @@ class KnownWorld {
 /// "Right_Hand", "right hand" and "right" as a word: "right".
 [[nodiscard]] std::string words_of_hand(const std::string& name);
 
+/// Whether these words say by themselves what they are: "gripper", "left arm".
+[[nodiscard]] bool says_hand(const std::string& words);
+/// A hand as people call it: "right hand", "gripper".
+[[nodiscard]] std::string spoken_hand(const std::string& name);
+
 }  // namespace engram::speech

@@ -71,6 +71,14 @@ void read_about(const idf::Data& value, const KnownWorld& world, Execution& exec
   if (named != nullptr) reader.read(*named);
 }
 
+using MemberFlags = std::array<bool, static_cast<size_t>(ToldMember::kCount)>;
+
+MemberFlags told_members(const Execution& execution) {
+  return {!execution.hand.empty(),     execution.thing.has_value(),
+          execution.place.has_value(), execution.request.has_value(),
+          execution.plan.has_value(),  execution.thing_before.has_value()};
+}
+
 void set_if_missing(std::optional<ltm::MemoryId>& member, std::optional<ltm::MemoryId> found) {
   if (!member) member = std::move(found);
 }
@@ -90,6 +98,11 @@ KnownPlace named_place(const ltm::MemoryId& id, const idf::Data& value) {
 
 }  // namespace
 
+std::string provider_of(const std::string& name) {
+  const size_t slash = name.rfind('/');
+  return slash == std::string::npos ? std::string() : name.substr(0, slash);
+}
+
 std::string skill_of(const std::string& name) {
   const size_t slash = name.rfind('/');
   return slash == std::string::npos ? name : name.substr(slash + 1);
@@ -102,17 +115,20 @@ void ExecutionTable::add(const ltm::MemoryId& id, const idf::Data& value, const 
   is_sorted_ = false;
   if (is_new) {
     const std::string name = text_in(value, "skill");
-    const size_t slash = name.rfind('/');
-    execution.provider = slash == std::string::npos ? std::string() : name.substr(0, slash);
+    execution.provider = provider_of(name);
     execution.skill = skill_of(name);
     execution.started = started;
     execution.start_id = id;
   }
   if (*id.time() < *execution.start_id.time()) execution.start_id = id;
+  const MemberFlags before = told_members(execution);
   read_about(value, world, execution);
   set_if_missing(execution.request, link_in(value, "request"));
   set_if_missing(execution.plan, link_in(value, "plan"));
   set_if_missing(execution.thing_before, link_in(value, "object_before"));
+  const MemberFlags known = told_members(execution);
+  for (size_t i = 0; i < known.size(); ++i)
+    if (known.at(i) && !before.at(i)) execution.told_at.at(i) = *id.time();
   if (auto after = link_in(value, "object_after")) execution.thing_after = std::move(after);
   const ltm::ActionOutcome outcome = outcome_member(value);
   // Events of before there were stages tell by their outcome alone that they are the last one.
@@ -162,7 +178,12 @@ TaskPlan read_plan(const ltm::MemoryId& id, const idf::Data& value) {
 }
 
 RefusedRequest read_refusal(const ltm::MemoryId& id, const idf::Data& value) {
-  return {id, *id.time(), skill_of(text_in(value, "skill")), text_in(value, "reason"),
+  const std::string name = text_in(value, "skill");
+  return {id,
+          *id.time(),
+          provider_of(name),
+          skill_of(name),
+          text_in(value, "reason"),
           link_in(value, "request")};
 }
 

@@ -35,6 +35,8 @@ class ExecutionTable {
 [[nodiscard]] KnownPlace read_surface(const ltm::MemoryId& id, const idf::Data& value);
 [[nodiscard]] KnownPlace read_location(const ltm::MemoryId& id, const idf::Data& value);
 
+/// The provider of "robot/pick": "robot"; empty where it has none.
+[[nodiscard]] std::string provider_of(const std::string& name);
 /// "robot/pick" without its provider.
 [[nodiscard]] std::string skill_of(const std::string& name);
 

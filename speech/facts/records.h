@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,9 @@
 #include "ltm/memory/memory_id.h"
 
 namespace engram::speech {
+
+/// What an event of an execution may tell first.
+enum class ToldMember : size_t { kHand, kThing, kPlace, kRequest, kPlan, kThingBefore, kCount };
 
 /// One execution of a skill, from the events that tell of it. All IDs are of instances, but for
 /// those of things and places, which are entities.
@@ -31,6 +35,8 @@ struct Execution {
   std::vector<ltm::MemoryId> stopped_by;
   std::optional<ltm::MemoryId> thing_before;  ///< The thing as it was when it began,
   std::optional<ltm::MemoryId> thing_after;   ///< and when it ended.
+  /// When the event was that told each member first. What a later one tells was not known before.
+  std::array<Time, static_cast<size_t>(ToldMember::kCount)> told_at{};
 
   /// No end is known, but it was over by then: the same was begun again with the same hand.
   std::optional<Time> over_by;
@@ -43,6 +49,14 @@ struct Execution {
 
   /// Up to when it may have gone on.
   [[nodiscard]] Time latest_end() const { return ended ? *ended : over_by.value_or(Time::max()); }
+
+  /// Whether it is known when it ended. What was lost ended at some time before that was found out.
+  [[nodiscard]] bool has_known_end() const {
+    return ended.has_value() && outcome != ltm::ActionOutcome::kUnknown;
+  }
+
+  /// Whether it goes on at `now`, as far as anybody was told.
+  [[nodiscard]] bool goes_on(Time now) const { return !ended && latest_end() > now; }
 };
 
 /// What somebody said.
@@ -73,7 +87,8 @@ struct TaskPlan {
 struct RefusedRequest {
   ltm::MemoryId id;
   Time time{};
-  std::string skill;  ///< Without its provider.
+  std::string provider;  ///< Empty: the request did not name one.
+  std::string skill;     ///< Without its provider.
   std::string reason;
   std::optional<ltm::MemoryId> request;
 };

@@ -10,60 +10,39 @@ namespace {
 
 /// More executions than that are no question about a way.
 constexpr size_t kMaxDrives = 2000;
-/// How near the robot must be to a place to be there.
-constexpr double kBeside_m = 1.5;
+/// How long it took, or takes by now.
+Duration length_of(const Execution& execution, Time now) {
+  return std::min(execution.latest_end(), now) - execution.started;
+}
 
-/// How long it took, behind whether that is known: what was lost may have ended at any time before
-/// somebody found out.
-std::pair<bool, Duration> length_of(const Execution& execution, Time now) {
-  const Duration length = std::min(execution.latest_end(), now) - execution.started;
-  return {execution.outcome != ltm::ActionOutcome::kUnknown, length};
+/// What is told of an execution whose end is asked for and not known.
+std::string_view unknown_end(const Execution& execution, Time now) {
+  return execution.goes_on(now) ? "it has not ended" : "it is not known when it ended";
+}
+
+std::string said_by(const SpokenWords& words) {
+  return fmt::format("{} said: {}", words.speaker.empty() ? "somebody" : words.speaker, words.text);
 }
 
 }  // namespace
 
 Status ProgramRun::apply_to_executions(const ProgramStep& step) {
-  std::vector<Execution>& executions = outcome_.executions;
   switch (step.kind) {
     case StepKind::kLongest:
-    case StepKind::kShortest: {
-      const auto is_shorter = [this](const Execution& a, const Execution& b) {
-        return length_of(a, now_) < length_of(b, now_);
-      };
-      // What goes on is not the shortest yet.
-      const auto is_over_sooner = [this](const Execution& a, const Execution& b) {
-        const auto rank = [this](const Execution& one) {
-          const auto [is_known, length] = length_of(one, now_);
-          return std::tuple(!is_known, !one.ended, length);
-        };
-        return rank(a) < rank(b);
-      };
-      const auto found =
-          step.kind == StepKind::kLongest
-              ? std::max_element(executions.begin(), executions.end(), is_shorter)
-              : std::min_element(executions.begin(), executions.end(), is_over_sooner);
-      executions = std::vector<Execution>{*found};
+    case StepKind::kShortest:
+      choose_by_length(step.kind == StepKind::kLongest);
       return {};
-    }
     case StepKind::kPrevious:
       go_to_neighbour(-1);
       return {};
     case StepKind::kNext:
       go_to_neighbour(1);
       return {};
-    case StepKind::kEvents: {
-      answers::Events events;
-      for (const Execution& execution : executions) {
-        events.value.push_back(execution.start_id);
-        outcome_.cite(execution.start_id, "started");
-      }
-      outcome_.value = std::move(events);
+    case StepKind::kEvents:
+      tell_events();
       return {};
-    }
     case StepKind::kEnded:
-      outcome_.cite(executions.back());
-      if (!executions.back().ended) miss("it has not ended");
-      outcome_.value = answers::Moment{executions.back().ended.value_or(now_)};
+      tell_ended();
       return {};
     case StepKind::kSpan:
       tell_span();
@@ -86,13 +65,9 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
     case StepKind::kWhoStopped:
       tell_who_stopped();
       return {};
-    case StepKind::kSucceeded: {
-      const Execution& last = executions.back();
-      if (!last.ended) miss("it has not ended");
-      outcome_.cite(last);
-      outcome_.value = answers::YesNo{last.outcome == ltm::ActionOutcome::kSuccess};
+    case StepKind::kSucceeded:
+      tell_succeeded();
       return {};
-    }
     case StepKind::kRetried:
       tell_retried();
       return {};
@@ -106,6 +81,46 @@ Status ProgramRun::apply_to_executions(const ProgramStep& step) {
       return invalid_argument("program: {} have no step {}", name_of(program_.source),
                               name_of(step.kind));
   }
+}
+
+/// Keeps the longest or the shortest of which that is known. What goes on is the longest where it
+/// takes so long by now already, and never the shortest.
+void ProgramRun::choose_by_length(bool is_longest) {
+  std::vector<Execution>& executions = outcome_.executions;
+  const auto rank = [&](const Execution& one) {
+    const Duration length = length_of(one, now_);
+    const bool is_known = one.has_known_end() || one.goes_on(now_);
+    return is_longest ? std::tuple(!is_known, false, -length)
+                      : std::tuple(!is_known, one.goes_on(now_), length);
+  };
+  const auto found =
+      std::min_element(executions.begin(), executions.end(),
+                       [&](const Execution& a, const Execution& b) { return rank(a) < rank(b); });
+  executions = std::vector<Execution>{*found};
+}
+
+void ProgramRun::tell_events() {
+  answers::Events events;
+  for (const Execution& execution : outcome_.executions) {
+    events.value.push_back(execution.start_id);
+    outcome_.cite(execution.start_id, "started");
+  }
+  outcome_.value = std::move(events);
+}
+
+void ProgramRun::tell_ended() {
+  const Execution& last = outcome_.executions.back();
+  outcome_.cite(last);
+  if (!last.has_known_end()) miss(std::string(unknown_end(last, now_)));
+  outcome_.value = answers::Moment{last.ended.value_or(now_)};
+}
+
+void ProgramRun::tell_succeeded() {
+  const Execution& last = outcome_.executions.back();
+  outcome_.cite(last);
+  // What was lost did not do what it was to do, as far as anybody knows.
+  if (!last.ended) miss(std::string(unknown_end(last, now_)));
+  outcome_.value = answers::YesNo{last.outcome == ltm::ActionOutcome::kSuccess};
 }
 
 /// The execution right before the first of these, or right after the last.
@@ -129,19 +144,20 @@ void ProgramRun::go_to_neighbour(int by) {
 void ProgramRun::tell_span() {
   const std::vector<Execution>& executions = outcome_.executions;
   const Execution* last = &executions.front();
-  for (const Execution& execution : executions)
+  for (const Execution& execution : executions) {
+    if (!execution.has_known_end()) miss(std::string(unknown_end(execution, now_)));
     if (execution.ended >= last->ended) last = &execution;
+  }
   outcome_.cite(executions.front());
   outcome_.cite(*last);
-  if (!executions.back().ended) miss("it has not ended");
   outcome_.value = answers::Span{executions.front().started, last->ended.value_or(now_)};
 }
 
 void ProgramRun::tell_how_long() {
   Duration length{};
   for (const Execution& execution : outcome_.executions) {
-    if (!execution.ended) {
-      miss("it has not ended");
+    if (!execution.has_known_end()) {
+      miss(std::string(unknown_end(execution, now_)));
       return;
     }
     length += *execution.ended - execution.started;
@@ -158,6 +174,11 @@ Status ProgramRun::tell_how_far() {
   double length = 0;
   bool is_known = false;
   for (const Execution& execution : outcome_.executions) {
+    // What goes on has come so far by now.
+    if (!execution.has_known_end() && !execution.goes_on(now_)) {
+      miss(std::string(unknown_end(execution, now_)));
+      return {};
+    }
     ENGRAM_ASSIGN_OR_RETURN(const auto way,
                             facts_.way_of_robot(execution.started, execution.latest_end()));
     if (!way) continue;
@@ -198,7 +219,7 @@ Status ProgramRun::tell_from() {
     } else {
       ENGRAM_ASSIGN_OR_RETURN(const auto robot, facts_.robot_at(execution.started));
       if (robot) {
-        place = facts_.world().beside(robot->spot, kBeside_m);
+        place = facts_.world().beside(robot->spot, kAtPlace_m);
         outcome_.cite(robot->id, "robot");
       }
     }
@@ -233,8 +254,7 @@ Status ProgramRun::tell_why() {
     return {};
   }
   for (const SpokenWords& words : outcome_.words)
-    reason.value += fmt::format("{}{} said: {}", reason.value.empty() ? "" : " ",
-                                words.speaker.empty() ? "somebody" : words.speaker, words.text);
+    reason.value += (reason.value.empty() ? "" : " ") + said_by(words);
   if (reason.value.empty() && !outcome_.plans.empty())
     reason.value = "it was planned: " + outcome_.plans.front().goal;
   if (reason.value.empty()) reason.value = "it was requested";
@@ -260,8 +280,7 @@ void ProgramRun::tell_reason() {
     add(execution.reason, *execution.end_id, "ended");
     for (const ltm::MemoryId& id : execution.stopped_by) {
       const SpokenWords* words = facts_.words_at(id);
-      add(words == nullptr ? "" : fmt::format("{} said: {}", words->speaker, words->text), id,
-          words == nullptr ? "stopped it" : "words");
+      add(words == nullptr ? "" : said_by(*words), id, words == nullptr ? "stopped it" : "words");
       if (words != nullptr) outcome_.words.push_back(*words);
     }
     outcome_.cite(execution.start_id, "started");

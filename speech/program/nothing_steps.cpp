@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "ltm/filter/saturated_time.h"
 #include "speech/program/program_run.h"
 
 namespace engram::speech {
@@ -17,14 +18,10 @@ constexpr Duration kMaxSilence = std::chrono::minutes(1);
 
 constexpr Duration kMaxSilentExecution = std::chrono::hours(1);
 
-Time earlier(Time time, Duration by) {
-  return time < Time::min() + by ? Time::min() : time - by;
-}
-
 /// With what lies right before it, where it is a moment or little more.
 Period widened(Period period) {
-  if (period.from <= period.to && earlier(period.to, kMaxSilence) <= period.from)
-    period.from = earlier(period.from, kMaxSilence);
+  if (ltm::saturated_add(period.to, -kMaxSilence) <= period.from)
+    period.from = ltm::saturated_add(period.from, -kMaxSilence);
   return period;
 }
 
@@ -34,7 +31,7 @@ bool tells_of(const Execution& execution, Period period) {
   if (period.contains(execution.started)) return true;
   if (!execution.ended) return false;
   return period.contains(*execution.ended) ||
-         (execution.outcome != ltm::ActionOutcome::kUnknown && execution.started <= period.to &&
+         (execution.has_known_end() && execution.started <= period.to &&
           *execution.ended >= period.from);
 }
 
@@ -47,8 +44,7 @@ bool is_named(const ProgramStep& step, std::initializer_list<std::string_view> n
 /// Leaves out what may have ended long before: no end is known, and the memory is silent.
 Status ProgramRun::drop_forgotten(Period at) {
   const auto is_unsure = [&](const Execution& one) {
-    const bool has_end = one.ended && one.outcome != ltm::ActionOutcome::kUnknown;
-    return !has_end && one.started < earlier(at.from, kMaxSilentExecution);
+    return !one.has_known_end() && one.started < ltm::saturated_add(at.from, -kMaxSilentExecution);
   };
   std::vector<Execution>& executions = outcome_.executions;
   if (std::none_of(executions.begin(), executions.end(), is_unsure)) return {};
@@ -78,6 +74,7 @@ Status ProgramRun::tell_nothing(const ProgramStep& step, const RecordFilter& fil
 Status ProgramRun::show_nothing(const RecordFilter& filter) {
   if (program_.source == ProgramSource::kThings) return show_no_thing(filter);
   Period period = filter.at() ? *filter.at() : filter.begun();
+  if (filter.asks_running() && !filter.at()) period = {now_, now_};
   period.to = std::min(period.to, now_);
   ENGRAM_ASSIGN_OR_RETURN(const std::vector<ltm::MemoryId> records, records_of(period));
   if (records.empty()) {
@@ -110,9 +107,9 @@ Status ProgramRun::show_nothing(const RecordFilter& filter) {
 /// Where things are is told by their states.
 Status ProgramRun::show_no_thing(const RecordFilter& filter) {
   // How a thing was holds until it is seen otherwise; that it was in sight does not.
-  if (filter.is_visible() || program_.find(FilterKey::kDuring) != nullptr) {
+  if (filter.is_visible() || has_span()) {
     Period period = filter.at() ? *filter.at() : filter.begun();
-    if (!filter.at() && program_.find(FilterKey::kDuring) == nullptr) period = {now_, now_};
+    if (!filter.at() && !has_span()) period = {now_, now_};
     ENGRAM_ASSIGN_OR_RETURN(const auto records, records_of(period));
     if (records.empty()) looked_at_.clear();
   }
@@ -177,10 +174,13 @@ void ProgramRun::cite_around(Period period) {
   if (after != nullptr) outcome_.cite(after->start_id, kRole);
 }
 
-/// The first and last of what the memory has of a time; none: it has no record of it.
+/// Records of a time, at least one where the memory has any of it: the first and last executions,
+/// and the last one of each other kind.
 Result<std::vector<ltm::MemoryId>> ProgramRun::records_of(Period period) {
-  const Period wide = widened(period);
   std::vector<ltm::MemoryId> records;
+  // After what came later and before what came earlier there is no time.
+  if (period.from > period.to) return records;
+  const Period wide = widened(period);
   for (const Execution* execution : facts_.executions()) {
     if (execution->started > wide.to) break;
     if (!tells_of(*execution, wide)) continue;
@@ -197,7 +197,7 @@ Result<std::vector<ltm::MemoryId>> ProgramRun::records_of(Period period) {
   add_last(facts_.plans());
   add_last(facts_.refusals());
   add_last(facts_.drives());
-  if (!records.empty() || wide.from > wide.to) return records;
+  if (!records.empty()) return records;
   ENGRAM_ASSIGN_OR_RETURN(const auto robot, facts_.robot_at(wide.to));
   if (robot && robot->time >= wide.from) records.push_back(robot->id);
   ENGRAM_ASSIGN_OR_RETURN(const auto states, facts_.things_at(wide.to));

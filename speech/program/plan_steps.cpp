@@ -40,7 +40,7 @@ void ProgramRun::tell_retried() {
     outcome_.cite(execution);
     for (const Execution* later : facts_.executions()) {
       if (later->started <= execution.started ||
-          later->started < execution.ended.value_or(execution.started) ||
+          (execution.has_known_end() && later->started < *execution.ended) ||
           later->skill != execution.skill || later->thing != execution.thing ||
           later->plan != execution.plan || (!execution.plan && later->place != execution.place))
         continue;

@@ -81,7 +81,9 @@ Status ProgramRun::collect(RecordFilter& filter) {
         ENGRAM_ASSIGN_OR_RETURN(const bool is_kept, filter.keeps(*execution));
         if (is_kept) outcome_.executions.push_back(*execution);
       }
-      return filter.at() ? drop_forgotten(*filter.at()) : Status();
+      if (filter.at()) return drop_forgotten(*filter.at());
+      // What runs goes on now.
+      return filter.asks_running() ? drop_forgotten({now_, now_}) : Status();
     case ProgramSource::kWords:
       keep(facts_.words(), outcome_.words);
       return {};

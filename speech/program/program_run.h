@@ -9,6 +9,9 @@
 
 namespace engram::speech {
 
+/// How near the robot must be to a place to be there.
+inline constexpr double kAtPlace_m = 1.5;
+
 /// Carries out a program that validates.
 ///
 /// Threading: one thread.
@@ -53,6 +56,10 @@ class ProgramRun {
 
   // Steps on executions (execution_steps.cpp, plan_steps.cpp).
   Status apply_to_executions(const ProgramStep& step);
+  void choose_by_length(bool is_longest);
+  void tell_events();
+  void tell_ended();
+  void tell_succeeded();
   void tell_span();
   void tell_how_long();
   Status tell_how_far();
@@ -73,6 +80,10 @@ class ProgramRun {
   void tell_is_at(StepKind kind, const RecordFilter& filter);
   void tell_holder();
   void tell_visible(const RecordFilter& filter);
+  [[nodiscard]] bool is_in_sight(const ThingState& state, const RecordFilter& filter) const;
+  /// The moment that is asked about, now where none is.
+  [[nodiscard]] Time moment_of(const RecordFilter& filter) const;
+  [[nodiscard]] bool has_span() const { return program_.find(FilterKey::kDuring) != nullptr; }
 
   /// Says that the answer is unknown, and why.
   void miss(std::string why);

@@ -77,7 +77,9 @@ Status RecordFilter::check_hand() {
   const auto& executions = facts_->names().executions();
   bool is_known = std::any_of(executions.begin(), executions.end(),
                               [&](const Execution& one) { return one.hand == hand_; });
-  for (const Time time : {facts_->now(), at_ ? at_->to : facts_->now()}) {
+  std::vector<Time> times{facts_->now()};
+  if (at_) times.push_back(at_->to);
+  for (const Time time : times) {
     if (is_known) break;
     ENGRAM_ASSIGN_OR_RETURN(const auto states, facts_->things_at(time));
     is_known = std::any_of(states.begin(), states.end(),
@@ -154,10 +156,14 @@ Status RecordFilter::take_times(const Program& program, DayZone zone, const Inne
     } else {
       ENGRAM_ASSIGN_OR_RETURN(period, resolve_period(filter.value.text, facts_->now(), zone));
     }
-    if (filter.key == FilterKey::kAt) at_ = period;
-    if (filter.key == FilterKey::kDuring && filter.value.program == nullptr &&
-        !filter.value.text.starts_with("now"))
-      period = with_its_second(period);
+    const bool is_of_clock =
+        filter.value.program == nullptr && !filter.value.text.starts_with("now");
+    const Period whole = is_of_clock ? with_its_second(period) : period;
+    if (filter.key == FilterKey::kAt) {
+      at_ = period;
+      said_at_ = whole;
+    }
+    if (filter.key == FilterKey::kDuring) period = whole;
     if (filter.key == FilterKey::kDuring) {
       begun_.from = std::max(begun_.from, period.from);
       begun_.to = std::min(begun_.to, period.to);
@@ -180,7 +186,7 @@ bool RecordFilter::is_begun(Time time) const {
 }
 
 bool RecordFilter::is_said_at(Time time) const {
-  return !at_ || with_its_second(*at_).contains(time);
+  return !said_at_ || said_at_->contains(time);
 }
 
 bool RecordFilter::has_entity(const std::optional<ltm::MemoryId>& entity, bool is_thing) const {
@@ -210,7 +216,7 @@ bool RecordFilter::has_outcome(const Execution& execution) const {
   if (outcome_.empty()) return true;
   // What was begun again since does not run, though no end of it is known.
   if (outcome_ == "running")
-    return execution.outcome == ActionOutcome::kRunning && execution.latest_end() > facts_->now();
+    return execution.outcome == ActionOutcome::kRunning && execution.goes_on(facts_->now());
   return fits_outcome(outcome_, execution.outcome);
 }
 

@@ -42,6 +42,7 @@ class RecordFilter {
   [[nodiscard]] bool has_things() const { return has_things_; }
   [[nodiscard]] bool has_places() const { return has_places_; }
   [[nodiscard]] const std::string& hand() const { return hand_; }
+  [[nodiscard]] bool asks_running() const { return outcome_ == "running"; }
   [[nodiscard]] const std::optional<bool>& is_held() const { return is_held_; }
   [[nodiscard]] const std::optional<bool>& is_visible() const { return is_visible_; }
   /// When the records must have begun, and the time at which they must go on.
@@ -80,6 +81,7 @@ class RecordFilter {
   std::optional<bool> is_visible_;
   Period begun_;
   std::optional<Period> at_;
+  std::optional<Period> said_at_;  ///< at_ for what is said at a moment.
 };
 
 /// Whose words caused an execution; empty: nobody's that the memory knows.

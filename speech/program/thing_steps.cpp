@@ -7,9 +7,6 @@ namespace engram::speech {
 
 namespace {
 
-/// How near the robot must be to a place to be there.
-constexpr double kAtPlace_m = 1.5;
-
 bool is_seen(const ThingState& state) {
   return state.is_visible.value_or(false);
 }
@@ -17,30 +14,41 @@ bool is_seen(const ThingState& state) {
 /// What was in sight so long ago is not in sight now: nobody told that it no longer is.
 constexpr Duration kStaysInSight = std::chrono::seconds(5);
 
-bool is_in_sight(const ThingState& state, Time at) {
-  return is_seen(state) && at - state.time <= kStaysInSight;
-}
-
 bool is_among(const std::vector<ltm::MemoryId>& entities, const ltm::MemoryId& entity) {
   return std::find(entities.begin(), entities.end(), entity) != entities.end();
 }
 
 }  // namespace
 
+Time ProgramRun::moment_of(const RecordFilter& filter) const {
+  return filter.at() ? std::min(filter.at()->to, now_) : now_;
+}
+
+/// In a span what was in sight at any time of it.
+bool ProgramRun::is_in_sight(const ThingState& state, const RecordFilter& filter) const {
+  return is_seen(state) && (has_span() || moment_of(filter) - state.time <= kStaysInSight);
+}
+
 Status ProgramRun::collect_things(RecordFilter& filter) {
   const KnownWorld& world = facts_.world();
   // A step that seeks the state in which a thing was seen reads it itself.
   for (const ProgramStep& step : program_.steps)
     if (step.kind == StepKind::kFirstSeen || step.kind == StepKind::kLastSeen) return {};
-  const Time at = filter.at() ? std::min(filter.at()->to, now_) : now_;
+  const Time at = moment_of(filter);
   std::vector<ThingState> states;
-  if (program_.find(FilterKey::kDuring) != nullptr) {
-    // What was seen at any time of a span.
+  if (has_span()) {
+    // What was seen at any time of a span, or else what was told of it then.
+    const bool seeks_unseen = filter.is_visible() == false;
     for (const KnownThing& thing : world.things()) {
       if (!thing.entity || (filter.has_things() && !is_among(filter.things(), *thing.entity)))
         continue;
       ENGRAM_ASSIGN_OR_RETURN(auto seen, facts_.last_state(*thing.entity, filter.begun().from,
                                                            filter.begun().to, is_seen));
+      if (!seen && seeks_unseen) {
+        ENGRAM_ASSIGN_OR_RETURN(
+            seen, facts_.last_state(*thing.entity, filter.begun().from, filter.begun().to,
+                                    [](const ThingState&) { return true; }));
+      }
       if (seen) states.push_back(*std::move(seen));
     }
     if (states.empty()) {
@@ -57,7 +65,7 @@ Status ProgramRun::collect_things(RecordFilter& filter) {
   looked_at_.insert(looked_at_.end(), states.begin(), states.end());
   for (ThingState& state : states) {
     if (filter.is_held() && *filter.is_held() == state.held_by.empty()) continue;
-    if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, at)) continue;
+    if (filter.is_visible() && *filter.is_visible() != is_in_sight(state, filter)) continue;
     if (!filter.hand().empty() && state.held_by != filter.hand()) continue;
     // Neither on a place nor in a hand: it is not told where it is.
     is_place_untold_ = is_place_untold_ || (filter.has_things() && filter.has_places() &&
@@ -82,7 +90,7 @@ Status ProgramRun::look_at_things(const RecordFilter& filter, Time at) {
 }
 
 Status ProgramRun::collect_robot(const RecordFilter& filter) {
-  const Time at = std::min(filter.at() ? filter.at()->to : now_, now_);
+  const Time at = moment_of(filter);
   ENGRAM_ASSIGN_OR_RETURN(robot_, facts_.robot_at(at));
   // A state of an hour ago tells nothing about now.
   if (robot_ && at - robot_->time > std::chrono::hours(1)) robot_.reset();
@@ -138,8 +146,7 @@ void ProgramRun::tell_where_things() {
   for (const ThingState& state : outcome_.states) {
     outcome_.cite(state.id, "thing");
     if (!state.held_by.empty()) {
-      const bool says_hand = state.held_by.find("hand") != std::string::npos;
-      names.push_back(says_hand ? state.held_by : state.held_by + " hand");
+      names.push_back(spoken_hand(state.held_by));
       continue;
     }
     const KnownPlace* place = state.spot ? world.under(*state.spot) : nullptr;
@@ -201,10 +208,9 @@ void ProgramRun::tell_holder() {
 }
 
 void ProgramRun::tell_visible(const RecordFilter& filter) {
-  const Time at = filter.at() ? std::min(filter.at()->to, now_) : now_;
   bool is_visible = false;
   for (const ThingState& state : outcome_.states) {
-    is_visible = is_visible || is_in_sight(state, at);
+    is_visible = is_visible || is_in_sight(state, filter);
     outcome_.cite(state.id, "thing");
   }
   outcome_.value = answers::YesNo{is_visible};

@@ -66,10 +66,7 @@ std::string joined(const std::vector<std::string>& parts) {
 std::string my_hands(const std::vector<std::string>& hands) {
   std::vector<std::string> words;
   for (const std::string& hand : hands) words.push_back(printable(words_of_hand(hand)));
-  const bool is_whole = std::any_of(words.begin(), words.end(), [](const std::string& hand) {
-    return hand.find("hand") != std::string::npos || hand.find("gripper") != std::string::npos ||
-           hand.find("arm") != std::string::npos;
-  });
+  const bool is_whole = std::any_of(words.begin(), words.end(), says_hand);
   return fmt::format("my {}{}", joined(words),
                      is_whole           ? ""
                      : words.size() > 1 ? " hands"
@@ -116,6 +113,16 @@ std::string outcome_phrase(const Execution& execution, const KnownWorld& world) 
       break;
   }
   return fmt::format("I began to {}, and nobody knows how it ended", base_phrase(execution, world));
+}
+
+std::string words_phrase(const SpokenWords& words) {
+  return fmt::format("{} said: \"{}\"",
+                     words.speaker.empty() ? "somebody" : printable(words.speaker),
+                     printable(words.text));
+}
+
+std::string counted(size_t count, std::string_view word) {
+  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
 }
 
 std::string sentence(std::string text) {

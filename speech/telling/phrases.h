@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "speech/facts/known_world.h"
@@ -30,6 +31,12 @@ namespace engram::speech {
 /// What the robot did and how it ended, as a sentence without its full stop: "I tried to pick up
 /// the salt, but failed: the hand closed 0.070 m away".
 [[nodiscard]] std::string outcome_phrase(const Execution& execution, const KnownWorld& world);
+
+/// What somebody said: `Ada said: "Bring me the salt."`
+[[nodiscard]] std::string words_phrase(const SpokenWords& words);
+
+/// "1 action", "3 actions".
+[[nodiscard]] std::string counted(size_t count, std::string_view word);
 
 /// A sentence: its first letter is a capital, and it ends with a full stop.
 [[nodiscard]] std::string sentence(std::string text);

@@ -15,10 +15,6 @@ namespace {
 constexpr size_t kMaxTold = 5;
 constexpr Duration kJustNow = std::chrono::minutes(1);
 
-std::string counted(size_t count, const char* word) {
-  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
-}
-
 /// One teller per outcome; a method per kind of value.
 class OutcomeTeller {
  public:
@@ -36,7 +32,7 @@ class OutcomeTeller {
     if (!outcome_.steps.empty()) return fmt::format("{}. {}", word, told_steps());
     if (outcome_.executions.empty() && outcome_.states.empty() && answer.value &&
         !outcome_.words.empty())
-      return fmt::format("{}. {}", word, sentence(told_words(outcome_.words.back())));
+      return fmt::format("{}. {}", word, sentence(words_phrase(outcome_.words.back())));
     if (outcome_.executions.empty() && outcome_.states.empty()) {
       const bool is_search = outcome_.program.has_step(StepKind::kExists);
       return is_search && !answer.value ? fmt::format("No. I remember no {}.", outcome_.looked_for)
@@ -50,8 +46,7 @@ class OutcomeTeller {
     const ProgramStep* last_step =
         outcome_.program.steps.empty() ? nullptr : &outcome_.program.steps.back();
     if (last_step != nullptr && last_step->kind == StepKind::kHowMany && answer.value > 0)
-      return sentence(
-                 counted(static_cast<size_t>(answer.value), last_step->argument->text.c_str())) +
+      return sentence(counted(static_cast<size_t>(answer.value), last_step->argument->text)) +
              (outcome_.executions.empty() ? "" : " " + told_executions());
     const std::string times = answer.value == 1   ? "Once"
                               : answer.value == 2 ? "Twice"
@@ -69,7 +64,7 @@ class OutcomeTeller {
       return sentence(
           fmt::format("{} {}", when, outcome_phrase(outcome_.executions.front(), world_)));
     if (!outcome_.words.empty())
-      return sentence(fmt::format("{} {}", when, told_words(outcome_.words.front())));
+      return sentence(fmt::format("{} {}", when, words_phrase(outcome_.words.front())));
     if (!outcome_.states.empty())
       return sentence(fmt::format("{} I saw {}", when, thing_of(outcome_.states.front())));
     return sentence(when);
@@ -101,7 +96,7 @@ class OutcomeTeller {
     if (!is_person && !outcome_.states.empty() && last != nullptr && last->kind == StepKind::kWhere)
       return told_state();
     if (is_person && names.size() == 1 && !outcome_.words.empty())
-      return sentence(told_words(outcome_.words.back()));
+      return sentence(words_phrase(outcome_.words.back()));
     const std::string what = last != nullptr && last->argument ? last->argument->text : "";
     if (what == "hand" || (last != nullptr && last->kind == StepKind::kHolder))
       return sentence(my_hands(answer.value));
@@ -127,13 +122,13 @@ class OutcomeTeller {
     if (last != nullptr && last->kind == StepKind::kSaid) {
       std::string text;
       for (const SpokenWords& words : outcome_.words)
-        text += (text.empty() ? "" : " ") + sentence(told_words(words));
+        text += (text.empty() ? "" : " ") + sentence(words_phrase(words));
       return text.substr(0, kMaxText);
     }
     if (outcome_.words.empty() || (last != nullptr && last->kind == StepKind::kReason))
       return sentence("because " + printable(answer.value)).substr(0, kMaxText);
     std::vector<std::string> said;
-    for (const SpokenWords& words : outcome_.words) said.push_back(told_words(words));
+    for (const SpokenWords& words : outcome_.words) said.push_back(words_phrase(words));
     return sentence("because " + joined(said)).substr(0, kMaxText);
   }
 
@@ -154,9 +149,10 @@ class OutcomeTeller {
 
   [[nodiscard]] std::string told_present() const {
     std::vector<std::string> doing;
-    for (const Execution& one : outcome_.executions) doing.push_back(gerund_phrase(one, world_));
-    return sentence(fmt::format("since {} I am {}", clock_of(outcome_.executions.front().started),
-                                joined(doing)));
+    for (const Execution& one : outcome_.executions)
+      doing.push_back(
+          fmt::format("since {} I am {}", clock_of(one.started), gerund_phrase(one, world_)));
+    return sentence(joined(doing));
   }
 
   /// "08:05:12", "yesterday at 08:05:12".
@@ -181,19 +177,15 @@ class OutcomeTeller {
     return fmt::format("Nothing, as I saw it {}.", spoken_time(seen, outcome_.now, zone_));
   }
 
-  static std::string told_words(const SpokenWords& words) {
-    return fmt::format("{} said: \"{}\"",
-                       words.speaker.empty() ? "somebody" : printable(words.speaker),
-                       printable(words.text));
-  }
-
   /// Where the first thing was, and when that was seen.
   [[nodiscard]] std::string told_state() const {
     const ThingState& state = outcome_.states.front();
     const std::string when = spoken_time(state.time, outcome_.now, zone_);
     const KnownPlace* place =
         state.spot && state.held_by.empty() ? world_.under(*state.spot) : nullptr;
-    std::string where = "was there";
+    std::string where = "was at no place that I know";
+    if (state.spot && state.held_by.empty())
+      where = fmt::format("was at x {:.2f} m, y {:.2f} m", state.spot->x, state.spot->y);
     if (!state.held_by.empty()) where = "was in " + my_hands({state.held_by});
     if (place != nullptr) where = fmt::format("was on the {}", printable(place->spoken));
     return sentence(fmt::format("{} {} {}", when, thing_of(state), where));

@@ -71,10 +71,6 @@ void link(NarrationSentence& told, const ltm::MemoryId& id) {
   if (told.links.size() < kMaxLinks) told.links.push_back(id);
 }
 
-std::string count_of(size_t count, const char* word) {
-  return fmt::format("{} {}{}", count, word, count == 1 ? "" : "s");
-}
-
 /// What was done, each thing once, in the order of its last success.
 std::string done_text(const Chapter& chapter, const KnownWorld& world) {
   std::vector<std::string> phrases;
@@ -91,7 +87,7 @@ std::string done_text(const Chapter& chapter, const KnownWorld& world) {
   if (phrases.size() > kMaxPhrases) {
     const size_t left = phrases.size() - kMaxPhrases + 1;
     phrases.resize(kMaxPhrases - 1);
-    phrases.push_back(fmt::format("did {} more", count_of(left, "thing")));
+    phrases.push_back(fmt::format("did {} more", counted(left, "thing")));
   }
   return "I " + joined(phrases);
 }
@@ -104,8 +100,7 @@ NarrationSentence told_problem(const Execution& execution, const FactsAsOf& fact
   if (execution.end_id) link(told, *execution.end_id);
   for (const ltm::MemoryId& id : execution.stopped_by) {
     const SpokenWords* words = facts.words_at(id);
-    if (words != nullptr)
-      text += fmt::format(" ({} said: \"{}\")", printable(words->speaker), printable(words->text));
+    if (words != nullptr) text += fmt::format(" ({})", words_phrase(*words));
     link(told, id);
   }
   told.text = sentence(std::move(text));
@@ -120,9 +115,7 @@ ToldChapter told_chapter(const Chapter& chapter, const FactsAsOf& facts, DayZone
     const SpokenWords* words =
         chapter.plan->command ? facts.words_at(*chapter.plan->command) : nullptr;
     if (words != nullptr) {
-      text += fmt::format("{} said: \"{}\" So ",
-                          words->speaker.empty() ? "somebody" : printable(words->speaker),
-                          printable(words->text));
+      text += words_phrase(*words) + " So ";
       link(told.what, words->id);
     } else {
       text += fmt::format("I planned: {}. ", printable(chapter.plan->goal));
@@ -158,8 +151,8 @@ NarrationSentence told_whole(const std::vector<Chapter>& chapters, Time now, Day
     }
   }
   std::string text = fmt::format("{} I carried out {}", spoken_span(first->started, end, now, zone),
-                                 count_of(executions, "action"));
-  if (plans > 0) text += " for " + count_of(plans, "task");
+                                 counted(executions, "action"));
+  if (plans > 0) text += " for " + counted(plans, "task");
   std::vector<std::string> parts;
   if (failed > 0) parts.push_back(fmt::format("{} failed", failed));
   if (stopped > 0)
@@ -227,12 +220,12 @@ Result<std::vector<NarrationSentence>> tell_period(KnownFacts& facts, Period per
     // A problem without a sentence of its own is counted with its plan.
     if (const size_t untold = told[i].problems.size() - problems; untold > 0)
       told[i].what.text +=
-          fmt::format(" {} of it went wrong.", untold == 1 ? "One step" : count_of(untold, "step"));
+          fmt::format(" {} of it went wrong.", untold == 1 ? "One step" : counted(untold, "step"));
     narration.push_back(std::move(told[i].what));
     for (size_t p = 0; p < problems; ++p) narration.push_back(std::move(told[i].problems[p]));
   }
   if (unchosen > 0 && narration.size() < max_sentences) {
-    rest.text = fmt::format("Besides, I carried out {} more.", count_of(unchosen, "task"));
+    rest.text = fmt::format("Besides, I carried out {} more.", counted(unchosen, "task"));
     narration.push_back(std::move(rest));
   }
   return narration;

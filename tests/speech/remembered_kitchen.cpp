@@ -49,11 +49,7 @@ RememberedKitchen::RememberedKitchen() {
   thing_class("tea_box", "tea");
   thing_class("red_cup", "red cup");
   thing_class("oil_bottle", "oil");
-  commit(kSurfaces + "counter", start,
-         {{"name", "counter"},
-          {"pose_world_surface", pose(0, 1.6, 0.9, M_PI / 2)},
-          {"depth", 0.6},
-          {"width", 4.0}});
+  put_surface(0, "counter", 0, 1.6);
   commit(kSurfaces + "table", start,
          {{"name", "table"},
           {"pose_world_surface", pose(-1.6, 0, 0.8, M_PI)},
@@ -130,6 +126,14 @@ void RememberedKitchen::see(double at, const std::string& thing, double x, doubl
           {"pose_world_object", pose(x, y, z, 0)},
           {"is_visible", is_visible},
           {"held_by", held_by}});
+}
+
+void RememberedKitchen::put_surface(double at, const std::string& name, double x, double y) {
+  commit(kSurfaces + name, second(at),
+         {{"name", name},
+          {"pose_world_surface", pose(x, y, 0.9, M_PI / 2)},
+          {"depth", 0.6},
+          {"width", 4.0}});
 }
 
 void RememberedKitchen::stand(double at, double x, double y, double heading, int day) {

@@ -50,6 +50,8 @@ class RememberedKitchen {
   std::string execute(const Done& done);
   void see(double at, const std::string& thing, double x, double y, double z, bool is_visible,
            const std::string& held_by = "", int day = 0);
+  /// A counter 0.6 m deep and 4 m wide, centred at x and y.
+  void put_surface(double at, const std::string& name, double x, double y);
   void stand(double at, double x, double y, double heading, int day = 0);
 
   /// Ada asks for salt on the table; the first grasp fails, the second does not; then Ben asks for

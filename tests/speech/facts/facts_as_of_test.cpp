@@ -63,6 +63,36 @@ TEST(FactsAsOf, HaveNothingOfLater) {
   EXPECT_TRUE(before_all.words().empty());
 }
 
+TEST(FactsAsOf, KnowNoMemberThatALaterEventTold) {
+  RememberedKitchen kitchen;
+  const auto entity = *ltm::MemoryId::parse("Skill/Event/robot/pick");
+  const std::string salt = "Objects/Instances/kitchen/salt_box_1";
+  kitchen.see(0, "salt_box_1", 0.5, 1.5, 0.97, true);
+  const std::string words = kitchen.say(0.5, "Ada", "I need the salt.");
+  const std::string plan = kitchen.plan(0.5, "salt_box_1", "counter", "table", words);
+  const auto tell = [&](double at, int32_t stage, idf::Dict members) {
+    members.set("skill", "robot/pick");
+    members.set("stage", stage);
+    members.set("outcome", int32_t{stage == 2});
+    members.set("started", to_ns(second(1)));
+    ASSERT_OK(kitchen.memory().commit({{{entity, second(at), {{idf::Data(members), {}}}}}}));
+  };
+  tell(1, 0, {{"hand", "left"}});
+  tell(3, 1, {{"object", salt}});
+  tell(5, 2, {{"plan", plan}, {"surface", "Objects/Surfaces/kitchen/counter"}});
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const FactsAsOf early(**facts, second(2));
+  EXPECT_EQ(early.executions().at(0)->hand, "left");
+  EXPECT_FALSE(early.executions().at(0)->thing);
+  // It runs still, and by now it was told with what.
+  const FactsAsOf amid(**facts, second(4));
+  EXPECT_TRUE(amid.executions().at(0)->thing);
+  EXPECT_FALSE(amid.executions().at(0)->plan || amid.executions().at(0)->place);
+  const FactsAsOf late(**facts, second(5));
+  EXPECT_TRUE(late.executions().at(0)->plan && late.executions().at(0)->place);
+}
+
 TEST(FactsAsOf, KnowAnEndOnlyWhenItIsTold) {
   RememberedKitchen kitchen;
   const auto entity = *ltm::MemoryId::parse("Skill/Event/robot/pick");

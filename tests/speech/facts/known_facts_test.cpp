@@ -303,17 +303,40 @@ TEST(KnownFacts, TakeUpWhatIsToldLaterOfEarlier) {
   ASSERT_OK((*facts)->refresh());
   ASSERT_THAT((*facts)->executions(), SizeIs(2));
   EXPECT_EQ((*facts)->executions()[1].skill, "look");
-  // A place that was moved is where it is now.
-  const auto counter = [&] { return (*facts)->world().places_called("counter").size(); };
-  EXPECT_EQ(counter(), 1u);
-  ASSERT_OK(kitchen.memory().commit(
-      {{{*ltm::MemoryId::parse("Objects/Surfaces/kitchen/counter"),
-         second(20),
-         {{idf::Data(idf::Dict{
-               {"name", "bench"}, {"pose_world_surface", 0.0}, {"depth", 0.6}, {"width", 4.0}}),
-           {}}}}}}));
+}
+
+TEST(KnownFacts, TakeUpThatAPlaceMoved) {
+  RememberedKitchen kitchen;
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  const Spot before{.x = 0, .y = 1.6, .z = 1};
+  const Spot after{.x = 5, .y = 1.6, .z = 1};
+  ASSERT_NE((*facts)->world().under(before), nullptr);
+  EXPECT_EQ((*facts)->world().under(after), nullptr);
+  kitchen.put_surface(20, "counter", 5, 1.6);
   ASSERT_OK((*facts)->refresh());
-  EXPECT_EQ((*facts)->world().places_called("bench").size(), 1u);
+  EXPECT_EQ((*facts)->world().under(before), nullptr);
+  ASSERT_NE((*facts)->world().under(after), nullptr);
+  EXPECT_EQ((*facts)->world().under(after)->spoken, "counter");
+  EXPECT_EQ((*facts)->world().places_called("counter").size(), 1u);
+}
+
+TEST(KnownFacts, HideOnlyTheRefusalsOfAnsweringItself) {
+  RememberedKitchen kitchen;
+  const auto refuse = [&](const char* provider) {
+    const auto entity = *ltm::MemoryId::parse(std::string("Skill/Refusal/") + provider + "/answer");
+    idf::Dict value{{"skill", std::string(provider) + "/answer"},
+                    {"request", ""},
+                    {"reason", "nobody is there"},
+                    {"unmet", idf::List{}}};
+    ASSERT_OK(kitchen.memory().commit({{{entity, second(3), {{idf::Data(value), {}}}}}}));
+  };
+  refuse("speech");
+  refuse("phone");
+  const auto facts = KnownFacts::read(kitchen.memory());
+  ASSERT_OK(facts);
+  ASSERT_THAT((*facts)->refusals(), SizeIs(1));
+  EXPECT_EQ((*facts)->refusals()[0].provider, "phone");
 }
 
 TEST(KnownFacts, ReadActionsOfBeforeThereWereEvents) {

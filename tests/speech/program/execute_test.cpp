@@ -341,6 +341,77 @@ TEST_F(Executing, TakesNothingWithoutAnEndForGoingOnForEver) {
             "unknown: the memory has no record of that time");
 }
 
+TEST_F(Executing, KnowsWhatWasInSightInASpan) {
+  // Both were in sight in the first half minute, and now neither is.
+  EXPECT_EQ(value_of("things during=today visible=yes | which=thing"), R"(["salt","tea"])");
+  EXPECT_EQ(value_of("things during=today thing=salt | is_visible"), "true");
+  EXPECT_EQ(value_of("things during=today visible=no | which=thing"), R"(["red cup"])");
+  EXPECT_EQ(value_of("things thing=salt | is_visible"), "false");
+}
+
+TEST_F(Executing, KnowsNoLengthWithoutAnEnd) {
+  // The recording was cut off, and the same was begun again with the same hand a day later.
+  kitchen_.execute({.skill = "wipe", .from = 50, .hand = "left", .is_ended = false});
+  kitchen_.execute({.skill = "wipe", .from = 60, .to = 62, .hand = "left", .day = 1});
+  kitchen_.execute({.skill = "navigate", .from = 70, .day = 1, .is_ended = false});
+  ASSERT_OK(facts_->refresh());
+  now_ = second(75, 1);
+  const std::string unknown = "unknown: it is not known when it ended";
+  EXPECT_EQ(value_of("executions skill=wipe | longest | when"), R"("2026-01-02 08:01:00.000000")");
+  EXPECT_EQ(value_of("executions skill=wipe | shortest | when"), R"("2026-01-02 08:01:00.000000")");
+  EXPECT_EQ(value_of("executions skill=wipe | first | how_long"), unknown);
+  EXPECT_EQ(value_of("executions skill=wipe | first | ended"), unknown);
+  EXPECT_EQ(value_of("executions skill=wipe | first | how_far"), unknown);
+  EXPECT_EQ(value_of("executions skill=wipe | span"), unknown);
+  // What goes on takes so long by now.
+  EXPECT_EQ(value_of("executions during=today | longest | which=skill"), R"(["navigate"])");
+  EXPECT_EQ(value_of("executions during=today | span"), "unknown: it has not ended");
+}
+
+TEST_F(Executing, KnowsNoSpanWhileThePartThatBeganFirstGoesOn) {
+  kitchen_.execute({.skill = "wipe", .from = 50, .hand = "left", .is_ended = false});
+  kitchen_.execute({.skill = "pour", .from = 52, .to = 53, .hand = "right"});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions after=08:00:45 | span"), "unknown: it has not ended");
+}
+
+TEST_F(Executing, KnowsNoEndOfWhatWasLost) {
+  kitchen_.execute({.skill = "wipe", .from = 40, .to = 55, .outcome = 4, .hand = "left"});
+  kitchen_.execute({.skill = "wipe", .from = 45, .to = 47, .hand = "left"});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions skill=wipe | first | how_long"),
+            "unknown: it is not known when it ended");
+  EXPECT_EQ(value_of("executions skill=wipe | first | ended"),
+            "unknown: it is not known when it ended");
+  // It began again before somebody found out that the first one was lost.
+  EXPECT_EQ(value_of("executions skill=wipe | first | retried"), "true");
+  EXPECT_EQ(value_of("executions outcome=lost | first | succeeded"), "false");
+}
+
+TEST_F(Executing, TakesNothingOfASilentMemoryForRunning) {
+  kitchen_.execute({.skill = "wipe", .from = 50, .hand = "left", .is_ended = false});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions outcome=running | which=skill"), R"(["wipe"])");
+  now_ = second(4 * 3600);
+  EXPECT_EQ(value_of("executions outcome=running | exists"),
+            "unknown: the memory has no record of that time");
+}
+
+TEST_F(Executing, WidensOnlyTimesOfAClock) {
+  kitchen_.execute({.skill = "wipe", .from = 40, .to = 41});
+  kitchen_.say(41.4, "Ada", "Thank you.");
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("words at=08:00:41 | exists"), "true");
+  EXPECT_EQ(value_of("words at=(executions skill=wipe | last | ended) | exists"), "false");
+}
+
+TEST_F(Executing, TellsWhoSaidItWithoutAName) {
+  const std::string stop = kitchen_.say(51, "", "Stop!");
+  kitchen_.execute({.skill = "wipe", .from = 50, .to = 52, .outcome = 3, .stopped_by = stop});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(value_of("executions skill=wipe | last | reason"), R"("somebody said: Stop!")");
+}
+
 TEST_F(Executing, KnowsNothingOfWhatNothingIsCalled) {
   EXPECT_EQ(value_of("executions thing=elephant | count"), "unknown: no thing is called elephant");
   EXPECT_EQ(value_of("executions thing=oil | exists"), "unknown: none called oil was ever seen");

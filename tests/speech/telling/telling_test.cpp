@@ -90,6 +90,33 @@ TEST_F(Telling, TellsWhatGoesOn) {
             "failed: the hand closed 0.070 m away from its grasp.");
 }
 
+TEST_F(Telling, TellsSinceWhenEachThingGoesOn) {
+  kitchen_.execute({.skill = "wipe", .from = 50, .hand = "left", .is_ended = false});
+  kitchen_.execute({.skill = "pour", .from = 55, .hand = "right", .is_ended = false});
+  ASSERT_OK(facts_->refresh());
+  EXPECT_EQ(told("executions at=now | events"),
+            "Since 08:00:50 I am wiping with my left hand and since 08:00:55 I am pouring with my "
+            "right hand.");
+}
+
+TEST_F(Telling, DoesNotPutAThingWhereItIsNot) {
+  kitchen_.see(58, "tea_box_1", 3, 3, 0.02, true);
+  EXPECT_EQ(told("things thing=tea place=counter at=08:00:59 | exists"),
+            "No. At 08:00:58 the tea was at x 3.00 m, y 3.00 m.");
+}
+
+TEST_F(Telling, SaysSomebodyWhereNobodyIsNamed) {
+  const std::string stop = kitchen_.say(1, "", "Stop!", 3);
+  kitchen_.execute(
+      {.skill = "wipe", .from = 0, .to = 2, .outcome = 3, .stopped_by = stop, .day = 3});
+  ASSERT_OK(facts_->refresh());
+  const auto narration =
+      tell_period(*facts_, {second(0, 3), second(60, 3)}, second(60, 3), DayZone::kUtc);
+  ASSERT_OK(narration);
+  EXPECT_EQ(narration->back().text,
+            "At 08:00:00 I began to wipe, but was stopped (somebody said: \"Stop!\").");
+}
+
 TEST_F(Telling, CountsDifferentThings) {
   EXPECT_EQ(told("executions skill=pick,place speaker=ada outcome=success | how_many=thing"),
             "1 thing. At 08:00:09 I picked up the salt from the counter with my right hand. At "
