@@ -26,6 +26,9 @@ struct Phrase {
 /// Those of things, places, hands and sight.
 [[nodiscard]] std::span<const Phrase> phrases_of_things();
 
+/// The phrase that begins at a word and has most words; null: none begins there.
+[[nodiscard]] const Phrase* phrase_at(const std::vector<QuestionWord>& words, size_t at);
+
 /// Puts one word where people use several: "how come" is why, "what time" is when, "how many times"
 /// is how often. Of the phrases that begin at a word the longest is taken.
 void replace_phrases(std::vector<QuestionWord>& words);
