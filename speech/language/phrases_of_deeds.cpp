@@ -351,7 +351,6 @@ constexpr Phrase kPhrasesOfDeeds[] = {
     {"as long as what", "longest"},
     {"longest lasting", "longest"},
     {"you? under way the longest", "longest"},
-    {"the most time", "longest"},
     {"ride|rides", "drive"},
     {"without finding it|anything|them|something", "and fail to find"},
     {"and|but|not not|find find|it it|anything|them?", "fail to find"},

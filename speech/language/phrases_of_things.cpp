@@ -114,7 +114,6 @@ constexpr Phrase kPhrasesOfThings[] = {
     {"located|positioned|situated at|in", "lying at"},
     {"located", "lying"},
     {"can|could|would|will|may|might one|i|we|anyone|anybody find", "is"},
-    {"will|would|can|could one|i|we find", "is"},
     {"content|contents of", "what is on"},
     {"parked|stationed|waiting|hanging yourself|around|about?", "standing"},
     {"base position|pose|location", "your position"},
