@@ -262,7 +262,7 @@ GrammarRules::Found GrammarRules::what() {
     return {};
   // "What does the salt cost?"
   if (main_.has("does") && !is_of_robot()) return {};
-  const bool is_of_task = main_.has_any({"task", "job", "assignment"}) && !main_.has_verb() &&
+  const bool is_of_task = main_.has_any({"task", "job"}) && !main_.has_verb() &&
                           (main_.has_any({"have", "get"}) ||
                            (main_.has("your") && main_.has_any({"was", "were"}) &&
                             !main_.has("you") && !parts_.times.at) ||

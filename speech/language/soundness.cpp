@@ -225,7 +225,7 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
   if (main_.has("not") && !is_whether && !is_cut_off && parts_.asks != Asks::kWhy &&
       !main_.has("would"))
     return false;
-  if (main_.has_any({"under", "behind", "beside", "inside"}) && !main_.has("what_if")) return false;
+  if (main_.has_any({"under", "behind", "beside", "inside"})) return false;
   if (is_whether && main_.things.size() > 1 && !main_.has("or") && !main_.has("than") &&
       !main_.has_any({"before", "after"}))
     return false;
