@@ -46,7 +46,7 @@ bool has_same_letters(std::string a, std::string b) {
 }
 
 /// To find and to spot is to see, and to drop is no way of placing.
-bool is_verb_of_sight(const std::string& lemma) {
+bool is_no_deed(const std::string& lemma) {
   return is_in(lemma, {"find", "spot", "locate", "watch", "scan", "drop"});
 }
 
@@ -193,7 +193,7 @@ class WordTagger final : public Tagger {
       return count > 1 || words[at].is_capital ||
              !(is_in(words[at].text, {"can", "will", "may", "mark", "might", "place", "thing"}));
     if (is_in(after, {"hand", "arm", "gripper", "side", "one", "or"})) return true;
-    if (is_in(after, {"after", "before", "now", "then", "when", "away", "?"})) return false;
+    if (is_in(after, {"after", "before", "now", "then", "when", "away"})) return false;
     return is_in(before, {"the", "your", "my", "or", "with", "its", "hand", "use", "used"});
   }
 
@@ -206,7 +206,7 @@ class WordTagger final : public Tagger {
     if (word.text == "left" && is_in(before, {"you", "have", "was", "been", "robot", "did"}))
       word.lemma = "leave";
     const SkillVerb* verb = verb_with_lemma(word.lemma);
-    if (verb != nullptr && !is_verb_of_sight(word.lemma) && is_verb_here(word, before, after) &&
+    if (verb != nullptr && !is_no_deed(word.lemma) && is_verb_here(word, before, after) &&
         (!is_in(word.lemma, {"go", "come"}) || is_of_moving(words, at)) &&
         (word.lemma != "get" || is_of_getting(words, at))) {
       word.tag = WordTag::kVerb;
@@ -234,7 +234,7 @@ class WordTagger final : public Tagger {
     if (is_in(text(next), {"and"})) return false;
     const bool is_driving =
         lemma_of(words[at].text) == "go" || is_in(text(next), {"to", "near", "there", "here"});
-    if (is_in(text(next), {"to", "and"}) && next + 1 < words.size()) {
+    if (text(next) == "to" && next + 1 < words.size()) {
       const std::string lemma = lemma_of(text(next + 1));
       if (lemma == text(next + 1) && lemma != "place" && verb_with_lemma(lemma) != nullptr)
         return false;
@@ -249,7 +249,7 @@ class WordTagger final : public Tagger {
   static bool is_of_getting(const std::vector<QuestionWord>& words, size_t at) {
     const bool is_of_task = std::any_of(words.begin(), words.end(), [](const QuestionWord& word) {
       return is_in(lemma_of(word.text),
-                   {"task", "job", "order", "command", "request", "instruction", "asked"});
+                   {"task", "job", "order", "command", "request", "instruction"});
     });
     if (is_of_task) return false;
     if (words[at].text == "got" && at > 0 &&
@@ -275,7 +275,7 @@ class WordTagger final : public Tagger {
       return false;
     if (word.lemma == "come" && is_in(after, {"up", "from", "with"}) && before != "you")
       return false;
-    if (is_in(word.text, {"place", "grip", "visit", "search", "walk", "look", "drop", "set"}) &&
+    if (is_in(word.text, {"place", "grip", "visit", "search", "walk", "look", "set"}) &&
         is_in(before, {"which", "what", "that", "same", "whose", "any", "some"}))
       return false;
     if (word.text == "place" && is_in(before, {"the", "a", "take", "took", "taking", "taken"}))
