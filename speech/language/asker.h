@@ -37,7 +37,8 @@ struct Answer {
 
 /// Who reads a question as a program.
 enum class AskRoute {
-  /// Both: the other reader where no rule fits, or where it is sure; the grammar where both find the
+  /// Both: the other reader where no rule fits, or where it is sure; the grammar where both find
+  /// the
   /// same, or the other reads nothing. Where they find different things and neither is sure, the
   /// question is not understood.
   kAuto,

@@ -297,18 +297,32 @@ class TimeWordReader {
     return ReadTime{text(year), count};
   }
 
+  struct ReadNumber {
+    int value = -1;  ///< -1: it is no number.
+    size_t count = 1;
+  };
+
+  /// "ten", "twenty-five", "a hundred".
+  [[nodiscard]] ReadNumber number_at(size_t at) const {
+    if (is(at, {"a", "one"}) && is(at + 1, {"hundred"})) return {100, 2};
+    const int tens = number_named(word(at));
+    const int units = is(at + 1, {"a", "an"}) ? -1 : number_named(word(at + 1));
+    const bool is_both = tens >= 20 && tens < 100 && tens % 10 == 0 && units > 0 && units < 10;
+    return is_both ? ReadNumber{tens + units, 2} : ReadNumber{tens, 1};
+  }
+
   /// "ten seconds", "an hour", "half a minute", "minute" where `may_be_bare`.
   [[nodiscard]] std::optional<ReadTime> duration(size_t at, bool may_be_bare) const {
     const bool is_half = is(at, {"half"});
     size_t next = at + (is_half ? 1 : 0);
-    int number = number_named(word(next));
+    auto [number, count] = number_at(next);
     if (is(next, {"couple"}) || (is(next, {"a"}) && is(next + 1, {"couple", "few"}))) {
       next += is(next, {"couple"}) ? 0 : 1;
       number = is(next, {"few"}) ? 5 : 2;
       if (is(next + 1, {"of"})) ++next;
     }
     if (number >= 0)
-      ++next;
+      next += count;
     else if (may_be_bare || is_half)
       number = 1;
     else

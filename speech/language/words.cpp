@@ -121,10 +121,10 @@ void write_out_d(std::vector<QuestionWord>& words) {
   }
 }
 
-}  // namespace
-
 /// Signs that no question in English has, and queries, markup and code have.
-constexpr std::string_view kSignsOfCode = "*`{}\\|";
+constexpr std::string_view kSignsOfCode = "*{}\\|";
+
+}  // namespace
 
 Result<std::vector<QuestionWord>> split_words(std::string_view question) {
   if (question.size() > kMaxQuestionBytes)
@@ -172,13 +172,16 @@ int number_named(std::string_view word) {
       "zero",     "one",     "two",     "three",     "four",     "five",     "six",
       "seven",    "eight",   "nine",    "ten",       "eleven",   "twelve",   "thirteen",
       "fourteen", "fifteen", "sixteen", "seventeen", "eighteen", "nineteen", "twenty"};
-  constexpr std::array<std::pair<std::string_view, int>, 7> kMore{{{"thirty", 30},
-                                                                   {"forty", 40},
-                                                                   {"fifty", 50},
-                                                                   {"sixty", 60},
-                                                                   {"a", 1},
-                                                                   {"an", 1},
-                                                                   {"ninety", 90}}};
+  constexpr std::array<std::pair<std::string_view, int>, 10> kMore{{{"thirty", 30},
+                                                                    {"forty", 40},
+                                                                    {"fifty", 50},
+                                                                    {"sixty", 60},
+                                                                    {"seventy", 70},
+                                                                    {"eighty", 80},
+                                                                    {"ninety", 90},
+                                                                    {"hundred", 100},
+                                                                    {"a", 1},
+                                                                    {"an", 1}}};
   for (size_t i = 0; i < kNumbers.size(); ++i)
     if (word == kNumbers.at(i)) return static_cast<int>(i);
   for (const auto& [name, number] : kMore)

@@ -26,8 +26,8 @@ inline constexpr size_t kMaxQuestionWords = 120;
 
 /// Splits a question into words. Curly quotes are straight ones; other signs than letters, digits
 /// and those of times end a word; contractions are written out. Errors: kInvalidArgument, in words
-/// that may be told to whoever asked: it is empty, too long, no text, or in letters that are not
-/// English.
+/// that may be told to whoever asked: it is empty, too long, no text, in letters that are not
+/// English, or has signs of queries, markup or code.
 Result<std::vector<QuestionWord>> split_words(std::string_view question);
 
 /// The base form of a verb or noun as the word lists here have it: "picked" and "picking" are
@@ -37,7 +37,7 @@ Result<std::vector<QuestionWord>> split_words(std::string_view question);
 /// The forms of verbs and nouns that no ending makes: "took", "failure".
 [[nodiscard]] std::vector<std::string> irregular_words();
 
-/// "three" is 3, "a" is 1, "12" is 12; -1 is no number.
+/// "three" is 3, "a" is 1, "12" is 12, of words up to "hundred"; -1 is no number.
 [[nodiscard]] int number_named(std::string_view word);
 
 /// How many letters must change, be added, left out or swapped with their neighbour to make one

@@ -16,30 +16,25 @@ using ::testing::ElementsAre;
 std::vector<QuestionWord> replaced(std::string_view question) {
   auto words = split_words(question);
   EXPECT_OK(words);
-  if (!words.ok())
-    return {};
+  if (!words.ok()) return {};
   replace_phrases(*words);
   return *std::move(words);
 }
 
-std::vector<std::string> texts_of(const std::vector<QuestionWord> &words) {
+std::vector<std::string> texts_of(const std::vector<QuestionWord>& words) {
   std::vector<std::string> texts;
-  for (const QuestionWord &word : words)
-    texts.push_back(word.text);
+  for (const QuestionWord& word : words) texts.push_back(word.text);
   return texts;
 }
 
 TEST(Phrases, ArePutInFewerWords) {
   EXPECT_THAT(texts_of(replaced("How come?")), ElementsAre("why"));
-  EXPECT_THAT(texts_of(replaced("What time was that?")),
-              ElementsAre("when", "was", "that"));
-  EXPECT_THAT(texts_of(replaced("Where is the salt?")),
-              ElementsAre("where", "is", "the", "salt"));
+  EXPECT_THAT(texts_of(replaced("What time was that?")), ElementsAre("when", "was", "that"));
+  EXPECT_THAT(texts_of(replaced("Where is the salt?")), ElementsAre("where", "is", "the", "salt"));
 }
 
 TEST(Phrases, AreTheLongestThatBeginThere) {
-  EXPECT_THAT(texts_of(replaced("How many seconds ago?")),
-              ElementsAre("how_ago"));
+  EXPECT_THAT(texts_of(replaced("How many seconds ago?")), ElementsAre("how_ago"));
   EXPECT_THAT(texts_of(replaced("How many seconds?")), ElementsAre("how_long"));
 }
 
@@ -63,8 +58,7 @@ TEST(Phrases, LeaveWhereSentencesAndClausesBeginAndEnd) {
 }
 
 TEST(Phrases, OfWhatYouDidBeginSentences) {
-  EXPECT_THAT(texts_of(replaced("Everything you did?")),
-              ElementsAre("what", "you", "did"));
+  EXPECT_THAT(texts_of(replaced("Everything you did?")), ElementsAre("what", "you", "did"));
   EXPECT_THAT(texts_of(replaced("Was everything you did right?")),
               ElementsAre("was", "everything", "you", "did", "right"));
 }
@@ -72,31 +66,27 @@ TEST(Phrases, OfWhatYouDidBeginSentences) {
 /// Goes through the words that a pattern stands for, until `visit` returns
 /// true.
 class WordsOfPattern {
-public:
-  using Visit = std::function<bool(const std::vector<QuestionWord> &)>;
+ public:
+  using Visit = std::function<bool(const std::vector<QuestionWord>&)>;
 
-  explicit WordsOfPattern(std::string_view pattern)
-      : parts_(parts_between(pattern, ' ')) {}
+  explicit WordsOfPattern(std::string_view pattern) : parts_(parts_between(pattern, ' ')) {}
 
-  bool any(const Visit &visit) {
+  bool any(const Visit& visit) {
     words_.clear();
     return any_from(0, visit);
   }
 
-private:
-  bool any_from(size_t part, const Visit &visit) {
-    if (part == parts_.size())
-      return !words_.empty() && visit(words_);
+ private:
+  bool any_from(size_t part, const Visit& visit) {
+    if (part == parts_.size()) return !words_.empty() && visit(words_);
     std::string_view text = parts_[part];
     const bool is_optional = text.ends_with('?');
-    if (is_optional)
-      text.remove_suffix(1);
+    if (is_optional) text.remove_suffix(1);
     for (const std::string_view choice : parts_between(text, '|')) {
       words_.push_back({.text = std::string(choice), .given = {}});
       const bool is_found = any_from(part + 1, visit);
       words_.pop_back();
-      if (is_found)
-        return true;
+      if (is_found) return true;
     }
     return is_optional && any_from(part + 1, visit);
   }
@@ -107,23 +97,19 @@ private:
 
 TEST(Phrases, AreAllTakenForSomeWords) {
   size_t count = 0;
-  for (const auto table :
-       {phrases_of_asking(), phrases_of_deeds(), phrases_of_things()})
-    for (const Phrase &phrase : table) {
+  for (const auto table : {phrases_of_asking(), phrases_of_deeds(), phrases_of_things()})
+    for (const Phrase& phrase : table) {
       ++count;
-      const bool is_taken = WordsOfPattern(phrase.words)
-                                .any([&](std::vector<QuestionWord> words) {
-                                  if (phrase_at(words, 0) == &phrase)
-                                    return true;
-                                  words.front().begins_sentence = true;
-                                  return phrase_at(words, 0) == &phrase;
-                                });
-      EXPECT_TRUE(is_taken)
-          << "another phrase comes first wherever this one fits: '"
-          << phrase.words << "'";
+      const bool is_taken = WordsOfPattern(phrase.words).any([&](std::vector<QuestionWord> words) {
+        if (phrase_at(words, 0) == &phrase) return true;
+        words.front().begins_sentence = true;
+        return phrase_at(words, 0) == &phrase;
+      });
+      EXPECT_TRUE(is_taken) << "another phrase comes first wherever this one fits: '"
+                            << phrase.words << "'";
     }
   EXPECT_GT(count, 700U);
 }
 
-} // namespace
-} // namespace engram::speech
+}  // namespace
+}  // namespace engram::speech

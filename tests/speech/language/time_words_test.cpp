@@ -42,6 +42,14 @@ TEST(TimeWords, TellSpans) {
   EXPECT_EQ(taken_from("What happened before noon?").times.before, "12:00");
 }
 
+TEST(TimeWords, TellNumbersInWords) {
+  EXPECT_EQ(taken_from("Where were you seventy seconds ago?").times.at, "now-70s");
+  EXPECT_EQ(taken_from("Where were you twenty-five seconds ago?").times.at, "now-25s");
+  EXPECT_EQ(taken_from("What happened in the last eighty two minutes?").times.during, "last:82m");
+  EXPECT_EQ(taken_from("Where were you a hundred seconds ago?").times.at, "now-100s");
+  EXPECT_EQ(taken_from("Where were you a minute ago?").times.at, "now-1m");
+}
+
 TEST(TimeWords, StayWhereNoTimeFollows) {
   const Taken taken = taken_from("What did you do after you placed the salt?");
   EXPECT_TRUE(taken.times.empty());

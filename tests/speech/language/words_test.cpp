@@ -53,6 +53,11 @@ TEST(Words, RefusesWhatIsNoEnglishText) {
             StatusCode::kInvalidArgument);
 }
 
+TEST(Words, RefusesSignsOfCode) {
+  for (const char* question : {"executions | count", "where is {thing}?", "a * b", "c:\\"})
+    EXPECT_FAILS(split_words(question), StatusCode::kInvalidArgument, "signs of a program");
+}
+
 TEST(Words, HaveBaseForms) {
   EXPECT_EQ(lemma_of("took"), "take");
   EXPECT_EQ(lemma_of("placing"), "place");
@@ -73,7 +78,13 @@ TEST(Words, NameNumbers) {
   EXPECT_EQ(number_named("three"), 3);
   EXPECT_EQ(number_named("a"), 1);
   EXPECT_EQ(number_named("12"), 12);
+  EXPECT_EQ(number_named("sixty"), 60);
+  EXPECT_EQ(number_named("seventy"), 70);
+  EXPECT_EQ(number_named("eighty"), 80);
+  EXPECT_EQ(number_named("ninety"), 90);
+  EXPECT_EQ(number_named("hundred"), 100);
   EXPECT_EQ(number_named("salt"), -1);
+  EXPECT_EQ(number_named(""), -1);
 }
 
 }  // namespace
