@@ -188,11 +188,15 @@ std::optional<StrangeName> strange_name_told(const QuestionParts& parts) {
 bool is_statement(const QuestionParts& parts) {
   const auto& words = parts.main.words;
   if (words.front().text == "what" && words.size() > 1 && words[1].text == "a") return true;
-  return parts.asks == Asks::kWhether && !parts.main.has("i") &&
-         !is_among_words(words.front().text,
-                         {"whether", "if",  "did",      "do",  "does", "have", "has",
-                          "had",     "is",  "are",      "was", "were", "can",  "could",
-                          "would",   "any", "anything", "so",  "and",  "ever"});
+  if (parts.asks != Asks::kWhether || parts.main.has("i")) return false;
+  // "Robot, did you take it.", "The milk, is it on the table."
+  for (size_t at = 1; at < words.size(); ++at)
+    if (words[at - 1].ends_clause && is_auxiliary(words[at])) return false;
+  // "So you took it." wants to be told whether.
+  if (is_among_words(words.front().text, {"so", "and"})) return false;
+  const TaggedWord& first = words[begin_of_asking(words)];
+  return !is_auxiliary(first) &&
+         !is_among_words(first.text, {"whether", "if", "any", "anything", "ever"});
 }
 
 constexpr const char* kCannotRead =
@@ -231,6 +235,8 @@ ParsedQuestion parse_question(const QuestionInWords& question, const Lexicon& le
     return refused("I am sorry, I can tell what was and what is, but not what will be.");
   if (question.is_order || is_request(parts))
     return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
+  if (question.is_stated && !question.is_indirect && is_statement(parts))
+    return refused("I am sorry, I answer questions, and I find none in that.");
 
   double confidence = kConfidence;
   size_t passed_over = 0;
@@ -247,7 +253,6 @@ ParsedQuestion parse_question(const QuestionInWords& question, const Lexicon& le
   }
   if (const auto strange = strange_name_told(parts))
     return {program_of(*strange), {}, confidence / 2, false};
-  if (question.is_stated && !question.is_indirect && is_statement(parts)) return unread_question();
   const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
   if (passed_over > max_passed_over) return unread_question();
   auto program = GrammarRules(parts, lexicon).program();

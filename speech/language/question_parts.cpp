@@ -33,11 +33,6 @@ Asks asked_by(const TaggedWords& words, size_t at) {
   return Asks::kNothing;
 }
 
-bool is_auxiliary(const TaggedWord& word) {
-  return is_word(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "am",
-                        "can", "could", "would", "will", "should"});
-}
-
 /// A marker that a subordinate clause may begin with.
 std::optional<ClauseLink> link_of(const TaggedWord& word) {
   if (is_word(word, {"after", "once", "since"})) return ClauseLink::kAfter;
@@ -137,11 +132,7 @@ bool is_of_clause(const TaggedWord& word) {
 /// What a clause asks for; a question word that asks more than that something is comes first.
 Asks asked_for(const TaggedWords& words, bool is_indirect) {
   // "Was it the right hand with which you ..." asks whether.
-  size_t begin = 0;
-  while (begin + 1 < words.size() &&
-         is_word(words[begin], {"so", "and", "well", "but", "ok", "okay", "hey", "hello", "hi",
-                                "robot", "please", "then", "now", "um", "oh"}))
-    ++begin;
+  const size_t begin = begin_of_asking(words);
   if (is_word(words[begin], {"whether"})) return Asks::kWhether;
   // "Did somebody give you tasks, and who was it?"
   if (is_auxiliary(words[begin]) && !is_word(words[begin], {"had"}))
@@ -302,6 +293,20 @@ size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
 }
 
 }  // namespace
+
+bool is_auxiliary(const TaggedWord& word) {
+  return is_word(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "am",
+                        "can", "could", "would", "will", "should"});
+}
+
+size_t begin_of_asking(const std::vector<TaggedWord>& words) {
+  size_t begin = 0;
+  while (begin + 1 < words.size() &&
+         is_word(words[begin], {"so", "and", "well", "but", "ok", "okay", "hey", "hello", "hi",
+                                "robot", "please", "then", "now", "um", "oh"}))
+    ++begin;
+  return begin;
+}
 
 ClauseParts::ClauseParts(std::vector<TaggedWord> of) : words(std::move(of)) {
   const auto add_once = [](std::vector<std::string>& list, const std::string& value) {

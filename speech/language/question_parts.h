@@ -78,6 +78,13 @@ struct QuestionParts {
   QuestionParts(Asks asked, ClauseParts clause) : asks(asked), main(std::move(clause)) {}
 };
 
+/// Whether a word begins what asks whether: "did", "have", "could".
+[[nodiscard]] bool is_auxiliary(const TaggedWord& word);
+
+/// Where a clause begins behind words such as "so" and "well", which ask nothing. The last word
+/// counts, whatever it is. The clause must not be empty.
+[[nodiscard]] size_t begin_of_asking(const std::vector<TaggedWord>& words);
+
 /// Finds the sentence that asks, what it asks for, and its clauses. `is_indirect`: it followed
 /// "tell me" or the like.
 [[nodiscard]] QuestionParts parts_of_question(const std::vector<TaggedWord>& words,

@@ -205,6 +205,10 @@ TEST_F(Attention, IsAskedWhereNoRuleFits) {
   EXPECT_EQ(answer_of(kUnread, -5, AskRoute::kAuto).route, "none");
   EXPECT_EQ(answer_of(kUnread, -0.1, AskRoute::kProgram).route, "none");
   EXPECT_EQ(answer_of("What will you do tomorrow?", -0.1, AskRoute::kAuto).route, "none");
+  // Whoever states something asks nothing, of whatever that is.
+  for (const char* text : {"You picked up the salt.", "The violin is on the table!"})
+    EXPECT_EQ(answer_of(text, -0.001, AskRoute::kAuto).route, "none") << text;
+  EXPECT_EQ(answer_of("Robot, was it quick.", -0.1, AskRoute::kAuto).route, "attention");
   // Both read it as something else, and only what is sure counts more than a rule.
   EXPECT_EQ(answer_of("What did you do?", -0.1, AskRoute::kAuto).route, "none");
   EXPECT_EQ(answer_of("What did you do?", -0.01, AskRoute::kAuto).route, "attention");
