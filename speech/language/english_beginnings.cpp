@@ -150,7 +150,7 @@ bool is_greeting(const std::string& word) {
 bool take_politeness(std::vector<QuestionWord>& words) {
   bool is_taken = false;
   bool is_leading = true;
-  // Several may follow each other: "Hello robot, do you remember, could you tell me ...".
+  // Several may follow each other: "Do you remember, could you tell me ...".
   for (size_t at = 0; at < words.size();) {
     // Only what nothing but a greeting precedes is a beginning, or what begins a clause.
     is_leading = is_leading && (at == 0 || is_greeting(words[at - 1].text));

@@ -11,12 +11,14 @@
 namespace engram::speech {
 namespace {
 
+using ::testing::Gt;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Lt;
 using ::testing::Not;
 using testing::RememberedKitchen;
 using testing::second;
+using ::testing::SizeIs;
 
 class Questions : public ::testing::Test {
  protected:
@@ -38,6 +40,7 @@ class Questions : public ::testing::Test {
 };
 
 TEST_F(Questions, MeanTheSameInManyWords) {
+  ASSERT_THAT(testing::asked_programs(), SizeIs(Gt(100U)));
   for (const testing::AskedProgram& asked : testing::asked_programs())
     for (const std::string& question : asked.questions) {
       const Answer answer = answer_to(question);
@@ -47,6 +50,7 @@ TEST_F(Questions, MeanTheSameInManyWords) {
 }
 
 TEST_F(Questions, MeanTheSameInWordsOfOthers) {
+  ASSERT_THAT(testing::programs_asked_by_others(), SizeIs(Gt(50U)));
   for (const testing::AskedProgram& asked : testing::programs_asked_by_others())
     for (const std::string& question : asked.questions) {
       const Answer answer = answer_to(question);
@@ -56,6 +60,7 @@ TEST_F(Questions, MeanTheSameInWordsOfOthers) {
 }
 
 TEST_F(Questions, ThatCannotBeAnsweredAreNot) {
+  ASSERT_THAT(testing::unanswerable_questions(), SizeIs(Gt(80U)));
   for (const std::string& question : testing::unanswerable_questions()) {
     const Answer answer = answer_to(question);
     EXPECT_TRUE(is_unknown(answer.value))
