@@ -108,7 +108,9 @@ TEST(Dialogues, AreAlsoAskedWhileTheRobotWorks) {
 
 TEST(Dialogues, KnowNoMoreThanAtTheirTime) {
   const Time now = *parse_time("2026-01-01 08:00:31");
-  for (const Dialogue& dialogue : made(kitchen_of_seed_1(), {.count = 300, .now = now})) {
+  const auto dialogues = made(kitchen_of_seed_1(), {.count = 300, .now = now});
+  EXPECT_EQ(dialogues.size(), 300U);
+  for (const Dialogue& dialogue : dialogues) {
     EXPECT_EQ(dialogue.now, now);
     for (const ltm::MemoryId& id : dialogue.evidence)
       EXPECT_LE(*id.time(), now) << dialogue.question;
@@ -120,8 +122,9 @@ TEST(Dialogues, KnowNoMoreThanAtTheirTime) {
 TEST(Dialogues, ForTrainingHaveNothingThatIsHeldOut) {
   // Seed 1 is not held out, or there would be nothing to train on.
   ASSERT_FALSE(is_seed_held_out(1));
-  for (const Dialogue& dialogue :
-       made(kitchen_of_seed_1(), {.count = 200, .split = DialogueSplit::kTrain}))
+  const auto trained = made(kitchen_of_seed_1(), {.count = 200, .split = DialogueSplit::kTrain});
+  EXPECT_GT(trained.size(), 100U);
+  for (const Dialogue& dialogue : trained)
     EXPECT_TRUE(dialogue.held_out.empty()) << dialogue.question;
   const auto kept = made(kitchen_of_seed_1(), {.count = 200, .split = DialogueSplit::kHeldOut});
   EXPECT_GT(kept.size(), 100U);
@@ -249,6 +252,42 @@ TEST(Dialogues, KeepTemplatesOfOthersForTrials) {
   ASSERT_OK(kept);
   EXPECT_EQ(trained->size() + kept->size(), kLines);
   EXPECT_NEAR(static_cast<double>(kept->size()), kLines / 5.0, 20);
+}
+
+TEST(Dialogues, TakeTheWordingsThatComeWithEngram) {
+  const auto dialogues = make_written_dialogues(kitchen_of_seed_1(), {.count = 300, .seed = 2});
+  ASSERT_OK(dialogues);
+  EXPECT_EQ(dialogues->size(), 300U);
+  std::set<std::string> forms;
+  for (const Dialogue& one : *dialogues) {
+    forms.insert(one.form);
+    EXPECT_NE(one.phrasing.find(one.form + "#w"), std::string::npos) << one.phrasing;
+    EXPECT_EQ(one.question.find_first_of("{}"), std::string::npos) << one.question;
+    EXPECT_EQ(one.family == "unanswerable", is_unknown(one.value)) << one.question;
+    EXPECT_TRUE(one.plain.empty()) << one.question;
+  }
+  EXPECT_GT(forms.size(), 50U);
+  expect_evidence(kitchen_of_seed_1(), *dialogues);
+}
+
+TEST(Dialogues, TellPlainlyWhereThatIsWanted) {
+  const auto dialogues =
+      make_written_dialogues(kitchen_of_seed_1(), {.count = 100, .seed = 2, .tells_plainly = true});
+  ASSERT_OK(dialogues);
+  ASSERT_EQ(dialogues->size(), 100U);
+  size_t told = 0;
+  for (const Dialogue& one : *dialogues) {
+    EXPECT_LE(one.plain.size(), 3U) << one.question;
+    told += one.plain.empty() ? 0 : 1;
+    for (const std::string& words : one.plain) {
+      EXPECT_EQ(words.find_first_of("{}"), std::string::npos) << words;
+      EXPECT_NE(words, one.question);
+    }
+  }
+  EXPECT_GT(told, 90U);
+  // The own words are among what is asked in them, too.
+  for (const Dialogue& one : made(kitchen_of_seed_1(), {.count = 20, .tells_plainly = true}))
+    EXPECT_FALSE(one.plain.empty()) << one.question;
 }
 
 TEST(Dialogues, NeedARecordingOfAKitchen) {

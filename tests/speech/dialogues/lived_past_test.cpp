@@ -128,6 +128,7 @@ TEST(LivedPast, KnowsNothingOfWhatComesLater) {
   EXPECT_TRUE(then.actions.back().stopped_by.empty());
   EXPECT_EQ(then.words.size(), 2U);
   EXPECT_EQ(then.plans.size(), 2U);
+  ASSERT_FALSE(then.sights.empty());
   for (const auto& [thing, sights] : then.sights) EXPECT_LE(sights.back().time, now) << thing;
   EXPECT_LE(then.stands.back().time, now);
   EXPECT_EQ(past->until(past->last_moment()).actions.size(), past->actions.size());
