@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/language/english.h"
 
-#include <algorithm>
-#include <array>
-
+#include "speech/language/word_pattern.h"
 #include "speech/program/skill_verbs.h"
 
 namespace engram::speech {
@@ -74,20 +72,15 @@ constexpr std::string_view kFillers =
     "regards terms available given fun surely simply merely likely source target argument id turn "
     "sweetheart understand understood thou didst";
 
-const std::set<std::string>& words_of_list(std::string_view list, std::set<std::string>& words) {
-  while (!list.empty()) {
-    const size_t end = std::min(list.find(' '), list.size());
-    if (end > 0) words.emplace(list.substr(0, end));
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return words;
+void add_words(std::string_view list, std::set<std::string>& words) {
+  for (const std::string_view word : parts_between(list, ' ')) words.emplace(word);
 }
 
 const std::set<std::string>& grammar_lemmas() {
   static const std::set<std::string> kWords = [] {
     std::set<std::string> words;
-    words_of_list(kGrammarLemmas, words);
-    for (const SkillVerb& verb : skill_verbs()) words_of_list(verb.lemmas, words);
+    add_words(kGrammarLemmas, words);
+    for (const SkillVerb& verb : skill_verbs()) add_words(verb.lemmas, words);
     return words;
   }();
   return kWords;
@@ -96,7 +89,8 @@ const std::set<std::string>& grammar_lemmas() {
 const std::set<std::string>& fillers() {
   static const std::set<std::string> kWords = [] {
     std::set<std::string> words;
-    return words_of_list(kFillers, words);
+    add_words(kFillers, words);
+    return words;
   }();
   return kWords;
 }
@@ -111,6 +105,10 @@ bool is_filler(const std::string& word) {
   return fillers().contains(word) || (word.size() > 4 && word.ends_with("ly"));
 }
 
+bool is_question_word(std::string_view word) {
+  return is_any(word, {"who", "whom", "whose", "what", "which", "where", "when", "why", "how"});
+}
+
 const std::set<std::string>& english_spellings() {
   static const std::set<std::string> kSpellings = [] {
     std::set<std::string> spellings;
@@ -118,17 +116,13 @@ const std::set<std::string>& english_spellings() {
       spellings.insert(word);
       const bool has_e = word.back() == 'e';
       for (const char* ending : {"s", has_e ? "d" : "ed"}) spellings.insert(word + ending);
-      if (!has_e) spellings.insert(word + "ing");
-      if (word.back() == 'e') spellings.insert(word.substr(0, word.size() - 1) + "ing");
+      spellings.insert((has_e ? word.substr(0, word.size() - 1) : word) + "ing");
       if (word.back() == 'p' || word.back() == 'b' || word.back() == 't')
         for (const char* ending : {"ed", "ing"}) spellings.insert(word + word.back() + ending);
     };
     for (const std::string& word : grammar_lemmas()) add(word);
     for (const std::string& word : fillers()) spellings.insert(word);
     for (const std::string& word : irregular_words()) spellings.insert(word);
-    for (const char* word : {"yesterday", "between", "seconds", "minutes", "driven", "drove",
-                             "taken", "brought", "happened", "carried", "placed", "visible"})
-      spellings.insert(word);
     return spellings;
   }();
   return kSpellings;

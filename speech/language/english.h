@@ -18,6 +18,9 @@ namespace engram::speech {
 /// Whether a word says nothing that an answer depends on: "please", "the", "earlier".
 [[nodiscard]] bool is_filler(const std::string& word);
 
+/// Whether a word asks for something: "who", "what", "how".
+[[nodiscard]] bool is_question_word(std::string_view word);
+
 /// All spellings of the words above, for whoever mistypes one.
 [[nodiscard]] const std::set<std::string>& english_spellings();
 
@@ -29,6 +32,9 @@ bool take_politeness(std::vector<QuestionWord>& words);
 /// Takes off what makes a question of a statement: "You picked it up, didn't you?", "Is that so?",
 /// "yes or no?". "Whether" is put before the statement.
 void take_question_tags(std::vector<QuestionWord>& words);
+
+/// Puts "whether" before the sentence or clause that begins at a word.
+void put_whether(std::vector<QuestionWord>& words, size_t at);
 
 /// Takes off how somebody calls whom he talks to: "my dear", "sweetheart".
 void take_endearments(std::vector<QuestionWord>& words);

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
-#include <span>
-
 #include "speech/language/english.h"
 #include "speech/language/word_pattern.h"
 
@@ -79,9 +75,11 @@ constexpr std::string_view kBeforeQuestionWords[] = {
 constexpr std::string_view kBeforeTelling[] = {
     "please|kindly? can|could|would|will you please|kindly|just|quickly?",
 };
-constexpr std::array<std::string_view, 11> kTelling{"describe", "summarise", "summarize", "summary",
-                                                    "recap",    "enumerate", "list",      "name",
-                                                    "count",    "walk",      "take"};
+
+bool asks_to_tell(std::string_view word) {
+  return is_any(word, {"describe", "summarise", "summarize", "summary", "recap", "enumerate",
+                       "list", "name", "count", "walk", "take"});
+}
 
 /// What asks whether something is so.
 constexpr std::string_view kWhetherBeginnings[] = {
@@ -98,12 +96,8 @@ constexpr std::string_view kWhetherBeginnings[] = {
     "can i|we tell|assume|say that? my? boss|wife|husband|family|mother? that",
 };
 
-constexpr std::array<std::string_view, 13> kBegunBy{"who",     "whom",     "whose", "what", "which",
-                                                    "where",   "when",     "why",   "how",  "if",
-                                                    "whether", "whatever", "at"};
-
 bool begins_question(std::string_view word) {
-  return std::find(kBegunBy.begin(), kBegunBy.end(), word) != kBegunBy.end();
+  return is_question_word(word) || is_any(word, {"if", "whether", "whatever", "at"});
 }
 
 /// Takes what begins at a word; returns whether anything did.
@@ -113,9 +107,7 @@ bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
   static const WordPatterns kWhether(kWhetherBeginnings);
   if (const size_t count = kWhether.count_at(words, at); count > 0 && at + count < words.size()) {
     erase_words(words, at, count);
-    words.insert(words.begin() + static_cast<ptrdiff_t>(at),
-                 QuestionWord{"whether", "whether", true, false, false});
-    words[at + 1].begins_sentence = false;
+    put_whether(words, at);
     return true;
   }
   size_t count = kPlain.count_at(words, at);
@@ -128,7 +120,7 @@ bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
   static const WordPatterns kTold(kBeforeTelling);
   const size_t telling = kTold.count_at(words, at);
   if (telling > count && at + telling + 1 < words.size() &&
-      std::find(kTelling.begin(), kTelling.end(), words[at + telling].text) != kTelling.end() &&
+      asks_to_tell(words[at + telling].text) &&
       (words[at + telling].text != "take" || words[at + telling + 1].text == "me"))
     count = telling;
   if (count == 0 || at + count >= words.size()) return false;
@@ -139,10 +131,8 @@ bool take_beginning(std::vector<QuestionWord>& words, size_t at) {
 
 /// Whether a word before a beginning says nothing: "hello", "please", and not "did you".
 bool is_greeting(const std::string& word) {
-  constexpr std::array<std::string_view, 11> kOfQuestions{"did", "do", "does", "have", "has", "had",
-                                                          "you", "is", "are",  "was",  "were"};
-  return is_filler(word) &&
-         std::find(kOfQuestions.begin(), kOfQuestions.end(), word) == kOfQuestions.end();
+  return is_filler(word) && !is_any(word, {"did", "do", "does", "have", "has", "had", "you", "is",
+                                           "are", "was", "were"});
 }
 
 }  // namespace

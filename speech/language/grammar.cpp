@@ -18,10 +18,6 @@ constexpr double kConfidence = 0.95;
 constexpr double kPerPassedOver = 0.1;
 constexpr double kPerCorrection = 0.05;
 
-bool is_among_words(const std::string& word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 ParsedQuestion refused(std::string why) {
   return {{}, std::move(why), 0, false};
 }
@@ -33,18 +29,18 @@ struct StrangeName {
 };
 
 bool is_article(const std::string& word) {
-  return is_among_words(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any",
-                               "some", "this", "that", "these", "those", "another"});
+  return is_any(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
+                       "this", "that", "these", "those", "another"});
 }
 
 bool is_for_place(const std::string& word) {
-  return is_among_words(word, {"in", "on", "at", "to", "into", "onto", "from", "near", "inside",
-                               "beside", "behind", "under", "towards", "toward"});
+  return is_any(word, {"in", "on", "at", "to", "into", "onto", "from", "near", "inside", "beside",
+                       "behind", "under", "towards", "toward"});
 }
 
 /// Words of the robot, after which an unknown word is what it did.
 bool is_before_verb(const std::string& word) {
-  return is_among_words(word, {"you", "to", "robot", "ever", "not"});
+  return is_any(word, {"you", "to", "robot", "ever", "not"});
 }
 
 /// The name that an unknown word is part of: it, and the unknown words and things beside it.
@@ -69,8 +65,8 @@ const TaggedWord* before_name(const std::vector<TaggedWord>& words, size_t at) {
   while (at > 0) {
     const TaggedWord& word = words[--at];
     if (word.tag == WordTag::kUnknown || word.tag == WordTag::kThing || is_article(word.text) ||
-        is_among_words(word.text, {"small", "big", "old", "new", "little", "good", "up", "down",
-                                   "for", "at", "of", "over", "out"}))
+        is_any(word.text, {"small", "big", "old", "new", "little", "good", "up", "down", "for",
+                           "at", "of", "over", "out"}))
       continue;
     return &word;
   }
@@ -79,8 +75,8 @@ const TaggedWord* before_name(const std::vector<TaggedWord>& words, size_t at) {
 
 bool takes_object(const TaggedWord& word) {
   return word.tag == WordTag::kVerb || word.tag == WordTag::kSkill ||
-         is_among_words(word.lemma, {"see", "hold", "carry", "notice", "observe", "touch", "bring",
-                                     "find", "spot", "handle", "move", "perceive", "manipulate"});
+         is_any(word.lemma, {"see", "hold", "carry", "notice", "observe", "touch", "bring", "find",
+                             "spot", "handle", "move", "perceive", "manipulate"});
 }
 
 /// What an unknown word would be: a name that nothing has, or a word to pass over.
@@ -99,7 +95,7 @@ std::optional<StrangeName> strange_name(const std::vector<TaggedWord>& words, si
     }
   }
   // Who stands where "you" would: "Why did grandma stop you?"
-  const bool is_subject = at > 1 && is_among_words(before, {"did", "does", "has", "was", "is"}) &&
+  const bool is_subject = at > 1 && is_any(before, {"did", "does", "has", "was", "is"}) &&
                           at + 1 < words.size() && !word.ends_clause &&
                           words[at + 1].tag != WordTag::kUnknown;
   if (is_subject) return StrangeName{word.text, FilterKey::kSpeaker};
@@ -116,14 +112,14 @@ std::optional<StrangeName> strange_name(const std::vector<TaggedWord>& words, si
   }
   if (is_for_place(before)) return StrangeName{whole_name(words, at), FilterKey::kPlace};
   const bool is_after_order =
-      at > 1 && words[at - 2].text == "you" && is_among_words(before, {"last", "first", "just"});
+      at > 1 && words[at - 2].text == "you" && is_any(before, {"last", "first", "just"});
   if (is_before_verb(before) || is_after_order ||
-      (at == 1 && is_among_words(before, {"did", "do", "have"})))
+      (at == 1 && is_any(before, {"did", "do", "have"})))
     return StrangeName{lemma_of(word.text), FilterKey::kSkill};
   const TaggedWord* leads = before_name(words, first);
   if (leads != nullptr && takes_object(*leads) && leads->text != "looked")
     return StrangeName{whole_name(words, at), FilterKey::kThing};
-  if (is_among_words(before, {"what", "which", "whose", "many", "much"}) || before == "with" ||
+  if (is_any(before, {"what", "which", "whose", "many", "much"}) || before == "with" ||
       before == "of")
     return StrangeName{whole_name(words, at), FilterKey::kThing};
   return {};
@@ -159,11 +155,11 @@ bool is_request(const QuestionParts& parts) {
     return true;
   if (main.words.empty()) return false;
   const TaggedWord& first = main.words.front();
-  if (is_among_words(first.text, {"ignore", "forget", "bring", "pretend"})) return true;
+  if (is_any(first.text, {"ignore", "forget", "bring", "pretend"})) return true;
   if (parts.asks != Asks::kNothing) return false;
   const bool is_base = first.text == first.lemma;
   return (first.tag == WordTag::kVerb && is_base && !main.has("you")) ||
-         is_among_words(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});
+         is_any(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});
 }
 
 /// A name that nothing has in the sentences before, where the question is about it: "And the honey?
@@ -175,10 +171,10 @@ std::optional<StrangeName> strange_name_told(const QuestionParts& parts) {
     if (word.tag != WordTag::kUnknown) continue;
     const std::string before = at > 0 ? parts.told[at - 1].text : "";
     const std::string after = at + 1 < parts.told.size() ? parts.told[at + 1].text : "";
-    if (word.is_capital && is_among_words(after, {"was", "is", "says", "said", "told", "asked",
-                                                  "had", "wanted", "has", "wants"}))
+    if (word.is_capital && is_any(after, {"was", "is", "says", "said", "told", "asked", "had",
+                                          "wanted", "has", "wants"}))
       return StrangeName{word.text, FilterKey::kSpeaker};
-    if (is_of_told && is_among_words(before, {"the", "my", "our"}))
+    if (is_of_told && is_any(before, {"the", "my", "our"}))
       return StrangeName{word.text, FilterKey::kThing};
   }
   return {};
@@ -193,10 +189,9 @@ bool is_statement(const QuestionParts& parts) {
   for (size_t at = 1; at < words.size(); ++at)
     if (words[at - 1].ends_clause && is_auxiliary(words[at])) return false;
   // "So you took it." wants to be told whether.
-  if (is_among_words(words.front().text, {"so", "and"})) return false;
+  if (is_any(words.front().text, {"so", "and"})) return false;
   const TaggedWord& first = words[begin_of_asking(words)];
-  return !is_auxiliary(first) &&
-         !is_among_words(first.text, {"whether", "if", "any", "anything", "ever"});
+  return !is_auxiliary(first) && !is_any(first.text, {"whether", "if", "any", "anything", "ever"});
 }
 
 constexpr const char* kCannotRead =
@@ -214,8 +209,7 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
   tagger.correct(words, lexicon);
   QuestionInWords in_words;
-  in_words.is_order =
-      is_among_words(words.front().text, {"ignore", "disregard", "pretend", "override"});
+  in_words.is_order = is_any(words.front().text, {"ignore", "disregard", "pretend", "override"});
   in_words.is_stated = words.back().ends_statement;
   take_endearments(words);
   take_question_tags(words);

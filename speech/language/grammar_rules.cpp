@@ -19,9 +19,9 @@ bool has_object_it(const ClauseParts& clause) {
   bool is_behind_verb = false;
   for (const TaggedWord& word : clause.words) {
     if (word.text == "it" && is_behind_verb) return true;
-    const bool is_deed = word.tag == WordTag::kVerb || word.lemma == "bring" ||
-                         word.lemma == "carry" || word.lemma == "move" || word.lemma == "shift" ||
-                         word.lemma == "transport" || word.lemma == "use";
+    const bool is_deed =
+        word.tag == WordTag::kVerb ||
+        is_any(word.lemma, {"bring", "carry", "move", "shift", "transport", "use"});
     if (is_deed && word.lemma != "take") is_behind_verb = true;
     if (word.lemma == "take" && !clause.has_any({"how_long", "long", "longer"}))
       is_behind_verb = true;
@@ -30,9 +30,8 @@ bool has_object_it(const ClauseParts& clause) {
 }
 
 bool is_carrying(std::string_view lemma) {
-  return lemma == "move" || lemma == "bring" || lemma == "carry" || lemma == "transport" ||
-         lemma == "shift" || lemma == "relocate" || lemma == "deliver" || lemma == "take" ||
-         lemma == "get" || lemma == "transfer";
+  return is_any(lemma, {"move", "bring", "carry", "transport", "shift", "relocate", "deliver",
+                        "take", "get", "transfer"});
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <array>
 #include <map>
 
 #include "speech/language/word_pattern.h"
@@ -137,11 +136,10 @@ std::string lemma_of(const std::string& word) {
            stem.back() != 'l';
   };
   const auto needs_e = [](const std::string& stem) {
-    constexpr std::array<std::string_view, 24> kStems{
-        "complet", "achiev", "arriv",  "caus", "describ", "retriev", "navigat", "prepar",
-        "mov",     "plac",   "clos",   "us",   "driv",    "tak",     "handl",   "leav",
-        "observ",  "notic",  "releas", "wip",  "receiv",  "remov",   "execut",  "captur"};
-    return std::find(kStems.begin(), kStems.end(), stem) != kStems.end();
+    return is_any(
+        stem, {"complet", "achiev", "arriv",  "caus", "describ", "retriev", "navigat", "prepar",
+               "mov",     "plac",   "clos",   "us",   "driv",    "tak",     "handl",   "leav",
+               "observ",  "notic",  "releas", "wip",  "receiv",  "remov",   "execut",  "captur"});
   };
   const auto stem_of = [&](std::string stem) {
     if (is_doubled(stem)) stem.pop_back();

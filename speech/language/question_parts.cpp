@@ -10,7 +10,7 @@ namespace {
 using TaggedWords = std::vector<TaggedWord>;
 
 bool is_word(const TaggedWord& word, std::initializer_list<std::string_view> texts) {
-  return std::find(texts.begin(), texts.end(), word.text) != texts.end();
+  return is_any(word.text, texts);
 }
 
 /// What a word asks for where it is a question word.
@@ -89,11 +89,8 @@ bool has_event(const TaggedWords& words, size_t begin, size_t end) {
     const TaggedWord& word = words[at];
     if (word.tag == WordTag::kVerb || word.tag == WordTag::kSkill) return true;
     if (word.tag == WordTag::kGrammar &&
-        (word.lemma == "fail" || word.lemma == "stop" || word.lemma == "interrupt" ||
-         word.lemma == "say" || word.lemma == "ask" || word.lemma == "tell" ||
-         word.lemma == "bring" || word.lemma == "move" || word.lemma == "carry" ||
-         word.lemma == "touch" || word.lemma == "handle" || word.lemma == "speak" ||
-         word.lemma == "talk" || word.lemma == "shout"))
+        is_any(word.lemma, {"fail", "stop", "interrupt", "say", "ask", "tell", "bring", "move",
+                            "carry", "touch", "handle", "speak", "talk", "shout"}))
       return true;
   }
   return false;
@@ -239,9 +236,8 @@ bool asks_of_clause(const TaggedWords& main, Asks asks) {
   if (asks_of_other(main)) return true;
   if (std::any_of(main.begin(), main.end(), is_of_clause)) return false;
   const auto has = [&](std::initializer_list<std::string_view> lemmas) {
-    return std::any_of(main.begin(), main.end(), [&](const TaggedWord& word) {
-      return std::find(lemmas.begin(), lemmas.end(), word.lemma) != lemmas.end();
-    });
+    return std::any_of(main.begin(), main.end(),
+                       [&](const TaggedWord& word) { return is_any(word.lemma, lemmas); });
   };
   if (asks == Asks::kWhy || asks == Asks::kHowLong || asks == Asks::kHowFar) return true;
   if (has({"hold", "carry", "see", "be"}) && asks == Asks::kWhere) return false;

@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <array>
-#include <span>
-
 #include "speech/language/english.h"
 #include "speech/language/word_pattern.h"
 
@@ -44,17 +40,9 @@ constexpr std::string_view kEndearments[] = {
     "pretty? please",
 };
 
-bool asks_by_itself(const std::string& word) {
-  constexpr std::array<std::string_view, 9> kAsking{"who",   "whom", "whose", "what", "which",
-                                                    "where", "when", "why",   "how"};
-  return std::find(kAsking.begin(), kAsking.end(), word) != kAsking.end();
-}
-
 bool begins_whether(const std::string& word) {
-  constexpr std::array<std::string_view, 15> kBeginning{"did", "do",    "does",  "have",    "has",
-                                                        "had", "is",    "are",   "was",     "were",
-                                                        "can", "could", "would", "whether", "will"};
-  return std::find(kBeginning.begin(), kBeginning.end(), word) != kBeginning.end();
+  return is_any(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "can",
+                       "could", "would", "whether", "will"});
 }
 
 /// Puts "whether" before the last sentence unless it asks already. Whoever says no verb means that
@@ -63,14 +51,18 @@ void ask_whether(std::vector<QuestionWord>& words) {
   size_t begin = words.size() - 1;
   while (begin > 0 && !words[begin].begins_sentence) --begin;
   for (size_t at = begin; at < words.size(); ++at)
-    if (asks_by_itself(words[at].text) && (at == begin || words[at - 1].ends_clause)) return;
+    if (is_question_word(words[at].text) && (at == begin || words[at - 1].ends_clause)) return;
   if (begins_whether(words[begin].text)) return;
-  words.insert(words.begin() + static_cast<ptrdiff_t>(begin),
-               QuestionWord{"whether", "whether", true, false, false});
-  words[begin + 1].begins_sentence = false;
+  put_whether(words, begin);
 }
 
 }  // namespace
+
+void put_whether(std::vector<QuestionWord>& words, size_t at) {
+  words.insert(words.begin() + static_cast<ptrdiff_t>(at),
+               QuestionWord{.text = "whether", .given = "whether", .begins_sentence = true});
+  words[at + 1].begins_sentence = false;
+}
 
 void take_question_tags(std::vector<QuestionWord>& words) {
   static const WordPatterns kPatterns(kTags);

@@ -31,8 +31,7 @@ struct ConditionalParts {
 /// Where the words of a condition begin; the size: there is none.
 size_t begin_of_condition(const std::vector<TaggedWord>& words) {
   const auto is = [&](size_t at, std::initializer_list<std::string_view> texts) {
-    return at < words.size() &&
-           std::find(texts.begin(), texts.end(), words[at].text) != texts.end();
+    return at < words.size() && is_any(words[at].text, texts);
   };
   for (size_t at = 0; at < words.size(); ++at) {
     if (is(at, {"if", "unless", "assuming", "supposing", "suppose", "pretend", "imagine", "without",

@@ -10,11 +10,10 @@ namespace {
 /// The word that somebody is asked to have said, where it is one that is else passed over: "Did Ada
 /// say please?"; empty: none.
 std::string said_courtesy(const std::vector<TaggedWord>& words) {
-  constexpr std::string_view kCourtesies[] = {"please", "hello", "hi",   "hey", "thanks", "thank",
-                                              "sorry",  "yes",   "okay", "ok",  "no"};
   for (size_t at = 0; at + 1 < words.size(); ++at)
-    if (words[at].lemma == "say" && std::find(std::begin(kCourtesies), std::end(kCourtesies),
-                                              words[at + 1].text) != std::end(kCourtesies))
+    if (words[at].lemma == "say" &&
+        is_any(words[at + 1].text, {"please", "hello", "hi", "hey", "thanks", "thank", "sorry",
+                                    "yes", "okay", "ok", "no"}))
       return words[at + 1].text;
   return {};
 }

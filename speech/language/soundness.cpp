@@ -12,12 +12,6 @@ namespace engram::speech {
 
 namespace {
 
-using WordList = std::initializer_list<std::string_view>;
-
-bool is_one_of(const std::string& word, WordList words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 /// The names that the filters of a program, and of those in it, have of one key.
 void add_names(const Program& program, FilterKey key, std::vector<std::string>& names) {
   const auto add_inner = [&](const Argument& argument) {
@@ -65,13 +59,12 @@ bool compares_itself(const Program& program) {
 /// Whether a word says in which way something was done: "gently".
 bool is_manner(const std::string& word) {
   return word.size() > 4 && word.ends_with("ly") &&
-         !is_one_of(word,
-                    {"really",     "actually",       "currently",   "recently",   "previously",
-                     "finally",    "eventually",     "possibly",    "probably",   "successfully",
-                     "apparently", "lately",         "originally",  "physically", "personally",
-                     "certainly",  "definitely",     "immediately", "directly",   "supposedly",
-                     "presently",  "unsuccessfully", "smoothly",    "perfectly",  "early",
-                     "correctly",  "badly"});
+         !is_any(word, {"really",     "actually",       "currently",   "recently",   "previously",
+                        "finally",    "eventually",     "possibly",    "probably",   "successfully",
+                        "apparently", "lately",         "originally",  "physically", "personally",
+                        "certainly",  "definitely",     "immediately", "directly",   "supposedly",
+                        "presently",  "unsuccessfully", "smoothly",    "perfectly",  "early",
+                        "correctly",  "badly"});
 }
 
 bool asks_which(const Program& program, std::string_view what) {
@@ -157,15 +150,15 @@ bool GrammarRules::is_of_who_is_asked(const Program& program) const {
   for (size_t at = 0; at < words.size(); ++at) {
     // "Did she ...", "What do they ..."
     const bool is_subject =
-        at == 0 || is_one_of(words[at - 1].text, {"did", "does", "do", "has", "have", "had", "was",
-                                                  "were", "is", "are", "what", "who"});
+        at == 0 || is_any(words[at - 1].text, {"did", "does", "do", "has", "have", "had", "was",
+                                               "were", "is", "are", "what", "who"});
     if (!is_of_words && is_subject &&
-        is_one_of(words[at].text,
-                  {"he", "she", "they", "people", "somebody", "someone", "everybody", "everyone"}))
+        is_any(words[at].text,
+               {"he", "she", "they", "people", "somebody", "someone", "everybody", "everyone"}))
       return false;
     // "What did you say?" is not about what was said to the robot.
     if (at > 0 && words[at - 1].text == "you" &&
-        is_one_of(words[at].text, {"say", "tell", "ask", "speak", "shout"}) && is_of_words)
+        is_any(words[at].text, {"say", "tell", "ask", "speak", "shout"}) && is_of_words)
       return false;
     // "Did you stop Ada?" is no question about who stopped the robot.
     if (words[at].lemma != "stop" && words[at].lemma != "interrupt") continue;
@@ -176,7 +169,7 @@ bool GrammarRules::is_of_who_is_asked(const Program& program) const {
   // "Did Ada stop?", "Did Ada pick up the salt?": what persons do is not known but for what they
   // say.
   for (size_t at = 0; at + 1 < words.size(); ++at) {
-    if (!is_one_of(words[at].text, {"did", "does", "has", "had", "was", "is"}) ||
+    if (!is_any(words[at].text, {"did", "does", "has", "had", "was", "is"}) ||
         words[at + 1].tag != WordTag::kPerson)
       continue;
     // "Why did Ada say so?" asks for what she had in mind.
@@ -237,7 +230,7 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
     const bool is_number =
         number_named(text) > 1 || text.find_first_of("0123456789") != std::string::npos;
     // "To the left of the table" is no hand, and how it was done is not recorded.
-    if (is_one_of(text, {"left", "right"}) && at + 1 < words.size() && words[at + 1].text == "of" &&
+    if (is_any(text, {"left", "right"}) && at + 1 < words.size() && words[at + 1].text == "of" &&
         !main_.has_any({"hand", "arm"}))
       return false;
     if (is_whether && is_manner(text)) return false;
@@ -245,9 +238,9 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
     if (is_number && words[at].tag != WordTag::kThing && words[at].tag != WordTag::kPlace &&
         !is_of_hands)
       return false;
-    if (is_one_of(text, {"january", "february", "march", "april", "june", "july", "august",
-                         "september", "october", "november", "december", "year", "years", "month",
-                         "months", "summer", "winter", "spring", "autumn"}))
+    if (is_any(text, {"january", "february", "march", "april", "june", "july", "august",
+                      "september", "october", "november", "december", "year", "years", "month",
+                      "months", "summer", "winter", "spring", "autumn"}))
       return false;
   }
   return !compares_itself(program);
@@ -259,8 +252,8 @@ bool GrammarRules::verbs_are_said(const Program& program) const {
   const auto& words = main_.words;
   for (size_t at = 0; at + 1 < words.size(); ++at)
     if (words[at].text == "you" &&
-        is_one_of(words[at + 1].text, {"think", "like", "hope", "wish", "feel", "almost", "wait",
-                                       "love", "hate", "know", "knew", "must", "may", "might"}))
+        is_any(words[at + 1].text, {"think", "like", "hope", "wish", "feel", "almost", "wait",
+                                    "love", "hate", "know", "knew", "must", "may", "might"}))
       return false;
   if (program.source != ProgramSource::kExecutions) return true;
   const bool has_skill =

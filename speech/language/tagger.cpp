@@ -2,7 +2,6 @@
 #include "speech/language/tagger.h"
 
 #include <algorithm>
-#include <array>
 
 #include "speech/language/english.h"
 
@@ -20,19 +19,15 @@ namespace {
 constexpr size_t kMaxCorrections = 12;
 constexpr size_t kMinCorrected = 5;
 
-bool is_in(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
-
 bool is_determiner(const std::string& word) {
-  return is_in(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
-                      "this", "that", "these", "those", "another", "no", "every"});
+  return is_any(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
+                       "this", "that", "these", "those", "another", "no", "every"});
 }
 
 bool is_preposition(const std::string& word) {
-  return is_in(word,
-               {"in", "on", "at",   "to",   "from", "into", "onto",  "with",   "of",     "for",
-                "by", "up", "down", "near", "off",  "over", "about", "beside", "behind", "under"});
+  return is_any(word,
+                {"in", "on", "at",   "to",   "from", "into", "onto",  "with",   "of",     "for",
+                 "by", "up", "down", "near", "off",  "over", "about", "beside", "behind", "under"});
 }
 
 bool has_digit(const std::string& word) {
@@ -47,7 +42,7 @@ bool has_same_letters(std::string a, std::string b) {
 
 /// To find and to spot is to see, and to drop is no way of placing.
 bool is_no_deed(const std::string& lemma) {
-  return is_in(lemma, {"find", "spot", "locate", "watch", "scan", "drop"});
+  return is_any(lemma, {"find", "spot", "locate", "watch", "scan", "drop"});
 }
 
 class WordTagger final : public Tagger {
@@ -105,8 +100,8 @@ class WordTagger final : public Tagger {
     const std::string& before = words[at - 1].text;
     const std::string lemma = lemma_of(before);
     return is_determiner(before) || is_preposition(before) || verb_with_lemma(lemma) != nullptr ||
-           is_in(lemma, {"see", "hold", "carry", "have", "touch", "bring", "want", "and", "or",
-                         "many", "much", "what", "which", "whose"});
+           is_any(lemma, {"see", "hold", "carry", "have", "touch", "bring", "want", "and", "or",
+                          "many", "much", "what", "which", "whose"});
   }
 
   /// The known word that is meant; empty: none is.
@@ -191,10 +186,10 @@ class WordTagger final : public Tagger {
     const std::string before = at > 0 ? words[at - 1].text : "";
     if (name.kind != NameKind::kHand)
       return count > 1 || words[at].is_capital ||
-             !(is_in(words[at].text, {"can", "will", "may", "mark", "might", "place", "thing"}));
-    if (is_in(after, {"hand", "arm", "gripper", "side", "one", "or"})) return true;
-    if (is_in(after, {"after", "before", "now", "then", "when", "away"})) return false;
-    return is_in(before, {"the", "your", "my", "or", "with", "its", "hand", "use", "used"});
+             !(is_any(words[at].text, {"can", "will", "may", "mark", "might", "place", "thing"}));
+    if (is_any(after, {"hand", "arm", "gripper", "side", "one", "or"})) return true;
+    if (is_any(after, {"after", "before", "now", "then", "when", "away"})) return false;
+    return is_any(before, {"the", "your", "my", "or", "with", "its", "hand", "use", "used"});
   }
 
   static TaggedWord word_at(const std::vector<QuestionWord>& words, size_t at) {
@@ -203,11 +198,11 @@ class WordTagger final : public Tagger {
     word.lemma = lemma_of(word.text);
     const std::string after = at + 1 < words.size() ? words[at + 1].text : "";
     const std::string before = at > 0 ? words[at - 1].text : "";
-    if (word.text == "left" && is_in(before, {"you", "have", "was", "been", "robot", "did"}))
+    if (word.text == "left" && is_any(before, {"you", "have", "was", "been", "robot", "did"}))
       word.lemma = "leave";
     const SkillVerb* verb = verb_with_lemma(word.lemma);
     if (verb != nullptr && !is_no_deed(word.lemma) && is_verb_here(word, before, after) &&
-        (!is_in(word.lemma, {"go", "come"}) || is_of_moving(words, at)) &&
+        (!is_any(word.lemma, {"go", "come"}) || is_of_moving(words, at)) &&
         (word.lemma != "get" || is_of_getting(words, at))) {
       word.tag = WordTag::kVerb;
       word.verb = verb;
@@ -229,11 +224,11 @@ class WordTagger final : public Tagger {
     };
     if (words[at].ends_clause || at + 1 == words.size()) return true;
     size_t next = at + 1;
-    while (is_in(text(next), {"over", "back", "across", "straight", "all", "the", "way", "right"}))
+    while (is_any(text(next), {"over", "back", "across", "straight", "all", "the", "way", "right"}))
       ++next;
-    if (is_in(text(next), {"and"})) return false;
+    if (is_any(text(next), {"and"})) return false;
     const bool is_driving =
-        lemma_of(words[at].text) == "go" || is_in(text(next), {"to", "near", "there", "here"});
+        lemma_of(words[at].text) == "go" || is_any(text(next), {"to", "near", "there", "here"});
     if (text(next) == "to" && next + 1 < words.size()) {
       const std::string lemma = lemma_of(text(next + 1));
       if (lemma == text(next + 1) && lemma != "place" && verb_with_lemma(lemma) != nullptr)
@@ -242,18 +237,18 @@ class WordTagger final : public Tagger {
     const bool is_gerund =
         text(next).ends_with("ing") && verb_with_lemma(lemma_of(text(next))) != nullptr;
     return is_driving && !is_gerund &&
-           !is_in(text(next), {"by", "off", "into", "ahead", "after", "through", "wrong", "for"});
+           !is_any(text(next), {"by", "off", "into", "ahead", "after", "through", "wrong", "for"});
   }
 
   /// Whether to get is to take: not "get your tasks", "where has it got to".
   static bool is_of_getting(const std::vector<QuestionWord>& words, size_t at) {
     const bool is_of_task = std::any_of(words.begin(), words.end(), [](const QuestionWord& word) {
-      return is_in(lemma_of(word.text),
-                   {"task", "job", "order", "command", "request", "instruction"});
+      return is_any(lemma_of(word.text),
+                    {"task", "job", "order", "command", "request", "instruction"});
     });
     if (is_of_task) return false;
     if (words[at].text == "got" && at > 0 &&
-        !is_in(words[at - 1].text, {"you", "have", "robot", "i", "and", "has", "ever", "not"}))
+        !is_any(words[at - 1].text, {"you", "have", "robot", "i", "and", "has", "ever", "not"}))
       return false;
     return !(at + 2 == words.size() && words[at + 1].text == "to");
   }
@@ -261,27 +256,27 @@ class WordTagger final : public Tagger {
   /// Whether a word that may be a verb is one: "the first place" and "went wrong" have none.
   static bool is_verb_here(const TaggedWord& word, const std::string& before,
                            const std::string& after) {
-    if (word.lemma == "go" && is_in(after, {"wrong", "well", "smoothly", "fine", "on", "badly",
-                                            "amiss", "as", "according"}))
+    if (word.lemma == "go" && is_any(after, {"wrong", "well", "smoothly", "fine", "on", "badly",
+                                             "amiss", "as", "according"}))
       return false;
     if (word.text == "going" && after == "to") return false;
     if (word.text == "left" && after == "to") return false;
-    if (word.text == "lay" && is_in(before, {"what", "that", "things", "objects", "items"}))
+    if (word.text == "lay" && is_any(before, {"what", "that", "things", "objects", "items"}))
       return false;
     if (word.lemma == "get" && after.empty()) return false;
     if (word.lemma == "look" && after == "like") return false;
-    if (word.lemma == "get" && is_in(after, {"done", "stopped", "interrupted", "asked", "told",
-                                             "wrong", "stuck", "lost", "blocked"}))
+    if (word.lemma == "get" && is_any(after, {"done", "stopped", "interrupted", "asked", "told",
+                                              "wrong", "stuck", "lost", "blocked"}))
       return false;
-    if (word.lemma == "come" && is_in(after, {"up", "from", "with"}) && before != "you")
+    if (word.lemma == "come" && is_any(after, {"up", "from", "with"}) && before != "you")
       return false;
-    if (is_in(word.text, {"place", "grip", "visit", "search", "walk", "look", "set"}) &&
-        is_in(before, {"which", "what", "that", "same", "whose", "any", "some"}))
+    if (is_any(word.text, {"place", "grip", "visit", "search", "walk", "look", "set"}) &&
+        is_any(before, {"which", "what", "that", "same", "whose", "any", "some"}))
       return false;
-    if (word.text == "place" && is_in(before, {"the", "a", "take", "took", "taking", "taken"}))
+    if (word.text == "place" && is_any(before, {"the", "a", "take", "took", "taking", "taken"}))
       return false;
-    if (is_in(word.lemma, {"give", "pass", "fill", "clean", "close", "press"}))
-      return is_in(before, {"you", "to", "robot", "did", "and", "i", "have", "by", "were"});
+    if (is_any(word.lemma, {"give", "pass", "fill", "clean", "close", "press"}))
+      return is_any(before, {"you", "to", "robot", "did", "and", "i", "have", "by", "were"});
     return true;
   }
 };

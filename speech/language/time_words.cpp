@@ -20,10 +20,6 @@ constexpr std::array<std::string_view, 7> kDaysOfWeek{"monday", "tuesday",  "wed
 /// Stands before a clock time that a day may still precede.
 constexpr char kOpenDay = '@';
 
-bool is_any(const std::string& text, std::initializer_list<std::string_view> choices) {
-  return std::find(choices.begin(), choices.end(), text) != choices.end();
-}
-
 /// A time that begins at a word, and of how many words it is.
 struct ReadTime {
   std::string text;

@@ -7,6 +7,7 @@
 
 #include "ltm/core/ascii.h"
 #include "ltm/core/utf8.h"
+#include "speech/language/word_pattern.h"
 
 namespace engram::speech {
 
@@ -103,18 +104,14 @@ std::string written_out(const std::string& word) {
 
 /// Says what "'d" is: "where'd you put it" is did, "you'd been" is had, "I'd like" is would.
 void write_out_d(std::vector<QuestionWord>& words) {
-  constexpr std::array<std::string_view, 7> kAsking{"where", "what", "who",  "why",
-                                                    "how",   "when", "which"};
-  constexpr std::array<std::string_view, 5> kBetween{"not", "just", "ever", "already", "also"};
-  const auto is_in = [](const auto& list, const std::string& word) {
-    return std::find(list.begin(), list.end(), word) != list.end();
-  };
   for (size_t at = 1; at < words.size(); ++at) {
     if (words[at].text != "'d") continue;
     size_t next = at + 1;
-    while (next < words.size() && is_in(kBetween, words[next].text)) ++next;
+    while (next < words.size() &&
+           is_any(words[next].text, {"not", "just", "ever", "already", "also"}))
+      ++next;
     const std::string verb = next < words.size() ? words[next].text : std::string();
-    if (is_in(kAsking, words[at - 1].text))
+    if (is_any(words[at - 1].text, {"where", "what", "who", "why", "how", "when", "which"}))
       words[at].text = verb == "have" ? "would" : "did";
     else
       words[at].text = lemma_of(verb) == verb ? "would" : "had";
@@ -151,12 +148,10 @@ Result<std::vector<QuestionWord>> split_words(std::string_view question) {
     const std::string given = plain.substr(begin, at - begin);
     const bool is_capital = given.front() >= 'A' && given.front() <= 'Z' && given.size() > 1 &&
                             given[1] >= 'a' && given[1] <= 'z';
-    std::string written = written_out(lower.substr(begin, at - begin));
-    for (size_t part = 0; part <= written.size();) {
-      const size_t end = std::min(written.find(' ', part), written.size());
-      words.push_back({written.substr(part, end - part), given, begins, is_capital, false});
+    const std::string written = written_out(lower.substr(begin, at - begin));
+    for (const std::string_view word : parts_between(written, ' ')) {
+      words.push_back({std::string(word), given, begins, is_capital, false});
       begins = false;
-      part = end + 1;
     }
     if (words.size() > kMaxQuestionWords)
       return invalid_argument("the question has more than {} words", kMaxQuestionWords);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +10,12 @@
 #include "ltm/core/status.h"
 
 namespace engram::speech {
+
+/// Whether a word is one of these.
+[[nodiscard]] inline bool is_any(std::string_view word,
+                                 std::initializer_list<std::string_view> these) {
+  return std::find(these.begin(), these.end(), word) != these.end();
+}
 
 /// One word of a question.
 struct QuestionWord {
