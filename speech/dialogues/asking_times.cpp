@@ -8,14 +8,12 @@ namespace engram::speech::dialogues {
 
 namespace {
 
-/// Nobody can say what went on so shortly before and after a change.
-constexpr Duration kQuiet = std::chrono::milliseconds(700);
 /// There must be something to ask about.
 constexpr Duration kAfterBegin = std::chrono::seconds(6);
 constexpr Duration kStep = std::chrono::milliseconds(100);
 
 bool is_near(Time time, Time now) {
-  return now - kQuiet < time && time < now + kQuiet;
+  return now - kUnclear < time && time < now + kUnclear;
 }
 
 bool is_quiet(const LivedPast& past, Time now) {
@@ -33,7 +31,7 @@ std::optional<bool> is_holding(const LivedPast& past, Time now) {
   for (const auto& [thing, sights] : past.sights) {
     const LivedSight* at = past.sight_at(thing, now);
     if (at == nullptr) continue;
-    for (const Time beside : {now - kQuiet, now + kQuiet}) {
+    for (const Time beside : {now - kUnclear, now + kUnclear}) {
       const LivedSight* other = past.sight_at(thing, beside);
       if (other == nullptr || other->held_by != at->held_by) return {};
     }
@@ -48,7 +46,7 @@ std::vector<Time> asking_times(const LivedPast& past, uint64_t seed) {
   const auto& [from, to] = past.recordings.back();
   std::vector<Time> all;
   std::vector<Time> holding;
-  for (Time now = from + kAfterBegin; now + kQuiet < to; now += kStep) {
+  for (Time now = from + kAfterBegin; now + kUnclear < to; now += kStep) {
     if (!is_quiet(past, now)) continue;
     const auto is_held = is_holding(past, now);
     if (!is_held) continue;

@@ -3,6 +3,7 @@
 
 // Private to this room: from questions without words to dialogues.
 
+#include <deque>
 #include <map>
 #include <string>
 #include <vector>
@@ -27,6 +28,7 @@ using Alike = std::map<bool, std::map<Time, std::vector<const KnownAnswer*>>>;
 /// Whether the answer is "no", "none" or 0.
 [[nodiscard]] bool tells_of_nothing(const KnownAnswer& known);
 
+/// Whether a split has this dialogue.
 [[nodiscard]] bool is_in(DialogueSplit split, const Dialogue& dialogue);
 
 /// The question in a few own words: up to three.
@@ -36,6 +38,7 @@ using Alike = std::map<bool, std::map<Time, std::vector<const KnownAnswer*>>>;
 [[nodiscard]] Dialogue dialogue_of(const LivedPast& past, const KnownAnswer& known,
                                    const WordedQuestion& words);
 
+/// As make_dialogues() tells: families in turn, no question twice.
 [[nodiscard]] std::vector<Dialogue> chosen_dialogues(const LivedPast& past,
                                                      const DialogueOptions& options);
 

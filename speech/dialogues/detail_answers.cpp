@@ -24,11 +24,6 @@ double driven_m(const LivedPast& past, Time from, Time to) {
   return way;
 }
 
-Asked asked_of(Asked base, const char* what) {
-  base.what = what;
-  return base;
-}
-
 /// What is told of one execution; `which` says which of several.
 void add_details(const AnswerList& list, Asked base, const char* which, const LivedAction& action) {
   if (!action.over) return;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <map>
 #include <random>
-#include <sstream>
 
 #include "speech/dialogues/careless.h"
 #include "speech/dialogues/chosen_dialogues.h"
 #include "speech/dialogues/foreign_phrasings.h"
+#include "speech/dialogues/random_choice.h"
 
 namespace engram::speech {
 
@@ -63,10 +63,10 @@ class ForeignMaker {
     for (const KnownAnswer* one : fitting(phrasing))
       alike[tells_of_nothing(*one)][one->now].push_back(one);
     while (!alike.empty()) {
-      const auto sort = one_of(alike);
-      const auto at_time = one_of(sort->second);
+      const auto sort = one_of(alike, random_);
+      const auto at_time = one_of(sort->second, random_);
       std::vector<const KnownAnswer*>& all = at_time->second;
-      std::swap(all[below(all.size())], all.back());
+      std::swap(*one_of(all, random_), all.back());
       auto made = filled(phrasing, *all.back());
       if (made) return made;
       all.pop_back();
@@ -76,11 +76,7 @@ class ForeignMaker {
     return {};
   }
 
-  template <typename Key, typename Value>
-  typename std::map<Key, Value>::iterator one_of(std::map<Key, Value>& all) {
-    return std::next(all.begin(), static_cast<std::ptrdiff_t>(below(all.size())));
-  }
-  size_t below(size_t count) { return static_cast<size_t>(random_() % count); }
+  std::mt19937_64& random() { return random_; }
 
  private:
   std::vector<const KnownAnswer*> fitting(const ForeignPhrasing& phrasing) const {
@@ -101,7 +97,7 @@ class ForeignMaker {
   /// split that is wanted.
   std::optional<Dialogue> filled(const ForeignPhrasing& phrasing, KnownAnswer known) {
     if (!seen_.empty() && phrasing.question.find("{known}") != std::string::npos)
-      known.slots["known"] = seen_[below(seen_.size())];
+      known.slots["known"] = *one_of(seen_, random_);
     std::vector<Dialogue> ways;
     for (const WordedQuestion& words : worded_with(phrasing, known)) {
       Dialogue one = dialogue_of(past_, known, words);
@@ -110,7 +106,7 @@ class ForeignMaker {
       if (is_in(options_.split, one)) ways.push_back(std::move(one));
     }
     if (ways.empty()) return {};
-    Dialogue chosen = std::move(ways[below(ways.size())]);
+    Dialogue chosen = std::move(*one_of(ways, random_));
     put_carelessly(chosen, known, options_.careless, random_);
     if (options_.tells_plainly) chosen.plain = plain_words(known);
     return chosen;
@@ -133,7 +129,7 @@ std::vector<Dialogue> foreign_dialogues(const LivedPast& past, const DialogueOpt
     if (auto one = maker.make(phrasing)) made.push_back(*std::move(one));
   // A random part of them, where fewer are wanted.
   if (options.count && made.size() > *options.count) {
-    for (size_t i = made.size(); i > 1; --i) std::swap(made[i - 1], made[maker.below(i)]);
+    for (size_t i = made.size(); i > 1; --i) std::swap(made[i - 1], made[below(i, maker.random())]);
     made.resize(*options.count);
   }
   for (size_t i = 0; i < made.size(); ++i) made[i].id = fmt::format("{}-f{}", past.seed, i);
@@ -154,9 +150,9 @@ Result<std::vector<Dialogue>> make_dialogues_with(Memory& memory, const Dialogue
 Result<std::vector<Dialogue>> make_written_dialogues(Memory& memory,
                                                      const DialogueOptions& options) {
   ENGRAM_ASSIGN_OR_RETURN(const dialogues::LivedPast past, dialogues::read_past(memory, options));
-  std::istringstream lines{std::string(dialogues::written_wordings())};
-  ENGRAM_ASSIGN_OR_RETURN(const auto read, dialogues::read_phrasings(lines));
-  return dialogues::foreign_dialogues(past, options, read);
+  const auto& read = dialogues::written_phrasings();
+  ENGRAM_RETURN_IF_ERROR(read.status());
+  return dialogues::foreign_dialogues(past, options, *read);
 }
 
 }  // namespace engram::speech

@@ -39,6 +39,8 @@ Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path&
 
 /// The lines of all files of speech/dialogues/written.
 [[nodiscard]] std::string_view written_wordings();
+/// What they say, read once. Errors: as read_phrasings().
+[[nodiscard]] const Result<std::vector<ForeignPhrasing>>& written_phrasings();
 
 /// Whether the words ask for this answer, apart from slots that it may not fill.
 [[nodiscard]] bool fits(const ForeignPhrasing& phrasing, const KnownAnswer& known);

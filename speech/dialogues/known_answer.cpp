@@ -6,6 +6,11 @@
 
 namespace engram::speech::dialogues {
 
+Asked asked_of(Asked base, const char* what) {
+  base.what = what;
+  return base;
+}
+
 KnownAnswer& AnswerList::add(const char* family, Asked asked, AnswerValue value,
                              std::vector<ltm::MemoryId> evidence) const {
   KnownAnswer& added = known.emplace_back();

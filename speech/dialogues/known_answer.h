@@ -30,6 +30,9 @@ struct Asked {
   std::string place;
 };
 
+/// The same, but for what is asked.
+[[nodiscard]] Asked asked_of(Asked base, const char* what);
+
 /// A question with its true answer.
 struct KnownAnswer {
   std::string family;
@@ -38,10 +41,9 @@ struct KnownAnswer {
   std::map<std::string, std::string> slots{};
   Time now{};  ///< When it is asked.
   AnswerValue value{};
-  std::vector<AnswerValue> also{};        ///< Other values that are as right.
-  std::vector<ltm::MemoryId> evidence{};  ///< An answer should show one of these.
-
-  [[nodiscard]] bool is_answerable() const { return !is_unknown(value); }
+  std::vector<AnswerValue> also{};  ///< Other values that are as right.
+  /// An answer must show at least one of these. Empty: nothing shows that nothing happened.
+  std::vector<ltm::MemoryId> evidence{};
 };
 
 /// Everything that can be asked of a past at a moment, and is neither ambiguous nor at the edge of

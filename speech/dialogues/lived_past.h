@@ -4,6 +4,7 @@
 // Private to this room: what recordings of kitchens tell, read value by value.
 
 #include <Eigen/Geometry>
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
@@ -12,6 +13,9 @@
 #include "memory/memory.h"
 
 namespace engram::speech::dialogues {
+
+/// So shortly before and after a change nobody can say what was so.
+inline constexpr Duration kUnclear = std::chrono::milliseconds(700);
 
 /// One execution of a skill. All IDs are of instances.
 struct LivedAction {

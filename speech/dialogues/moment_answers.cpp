@@ -9,8 +9,6 @@ namespace engram::speech::dialogues {
 
 namespace {
 
-/// Nothing that the answer depends on changes so shortly before and after the time asked about.
-constexpr Duration kAround = std::chrono::milliseconds(700);
 constexpr int kTries = 24;
 
 struct AskedMoment {
@@ -66,8 +64,8 @@ std::vector<AskedMoment> asked_moments(const AnswerList& list, uint64_t seed) {
 /// What went on all the time around a moment; null: nothing, or it changed.
 const LivedAction* action_around(const LivedPast& past, Time time) {
   for (const LivedAction& action : past.actions)
-    if (action.started + kAround <= time &&
-        time + kAround <= action.ended.value_or(past.last_moment()))
+    if (action.started + kUnclear <= time &&
+        time + kUnclear <= action.ended.value_or(past.last_moment()))
       return &action;
   return nullptr;
 }
@@ -77,8 +75,8 @@ const LivedAction* action_around(const LivedPast& past, Time time) {
 std::string stand_around(const LivedPast& past, Time time, std::vector<ltm::MemoryId>& evidence) {
   const LivedAction* last = nullptr;
   for (const LivedAction& action : past.actions) {
-    if (action.skill != "navigate" || action.started > time + kAround) continue;
-    if (!action.ended || *action.ended + kAround > time) return {};
+    if (action.skill != "navigate" || action.started > time + kUnclear) continue;
+    if (!action.ended || *action.ended + kUnclear > time) return {};
     last = &action;
   }
   if (last == nullptr || last->outcome != "success" || time - last->started > std::chrono::hours(1))
@@ -96,7 +94,7 @@ std::string stand_around(const LivedPast& past, Time time, std::vector<ltm::Memo
 /// A thing's sight that held all the time around a moment; null: it changed, or is not known.
 const LivedSight* sight_around(const LivedPast& past, const std::string& thing, Time time) {
   const LivedSight* at = past.sight_at(thing, time);
-  for (const Time other : {time - kAround, time + kAround}) {
+  for (const Time other : {time - kUnclear, time + kUnclear}) {
     const LivedSight* beside = past.sight_at(thing, other);
     if (at == nullptr || beside == nullptr || beside->held_by != at->held_by ||
         (beside->at - at->at).norm() > (at->held_by.empty() ? 0.02 : 1.0))
@@ -156,8 +154,8 @@ void add_things_at(const AnswerList& list, const AskedMoment& moment) {
       held.emplace_back(thing, sight->id);
       continue;
     }
-    const LivedSight* before = list.past.sight_at(thing, moment.time - kAround);
-    const LivedSight* after = list.past.sight_at(thing, moment.time + kAround);
+    const LivedSight* before = list.past.sight_at(thing, moment.time - kUnclear);
+    const LivedSight* after = list.past.sight_at(thing, moment.time + kUnclear);
     if (before->is_visible == sight->is_visible && after->is_visible == sight->is_visible)
       add_at(list, moment, {.what = "was_visible_at", .thing = thing},
              answers::YesNo{sight->is_visible}, {sight->id, before->id, after->id});
@@ -183,7 +181,7 @@ void add_present(const AnswerList& list) {
   if (!all.empty()) {
     const LivedAction& last = *all.back();
     const bool is_going_on = !last.ended;
-    if (list.now - last.ended.value_or(last.started) > kAround) {
+    if (list.now - last.ended.value_or(last.started) > kUnclear) {
       KnownAnswer& doing =
           list.add("at_a_time", {.what = "doing_now", .skill = "any", .when = "now"},
                    is_going_on ? events_of({&last}) : AnswerValue(answers::Events{}), {});

@@ -76,11 +76,7 @@ void add_attempts(const AnswerList& list, const char* skill) {
     const Actions failed = with_outcome(tries, "failure");
     const Actions done = with_outcome(tries, "success");
     const Asked base{.skill = skill, .thing = thing};
-    const auto asked = [&](const char* what) {
-      Asked one = base;
-      one.what = what;
-      return one;
-    };
+    const auto asked = [&](const char* what) { return asked_of(base, what); };
     // Whoever was only stopped did not fail, and did not succeed.
     if (failed.size() + done.size() == tries.size())
       list.add("problems", asked("did_fail"), answers::YesNo{!failed.empty()},

@@ -3,6 +3,7 @@
 #include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "ltm/core/printable.h"
 #include "speech/dialogues/foreign_phrasings.h"
@@ -87,6 +88,14 @@ Result<std::vector<ForeignPhrasing>> read_phrasings(const std::filesystem::path&
   std::ifstream file(path);
   if (!file) return unavailable("phrasings '{}': cannot be read", path.string());
   return read_phrasings(file);
+}
+
+const Result<std::vector<ForeignPhrasing>>& written_phrasings() {
+  static const Result<std::vector<ForeignPhrasing>> kRead = [] {
+    std::istringstream lines{std::string(written_wordings())};
+    return read_phrasings(lines);
+  }();
+  return kRead;
 }
 
 }  // namespace engram::speech::dialogues

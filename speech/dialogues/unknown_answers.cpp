@@ -4,6 +4,7 @@
 #include <random>
 
 #include "speech/dialogues/known_answer.h"
+#include "speech/dialogues/random_choice.h"
 
 namespace engram::speech::dialogues {
 
@@ -20,11 +21,6 @@ constexpr std::array kStrangePersons{"Peter", "Maria", "Grandma", "Mister Smith"
 constexpr std::array kStrangePlaces{"balcony", "cellar",   "bathroom", "fridge",
                                     "garage",  "bookcase", "roof",     "garden"};
 
-template <size_t kCount>
-std::string one_of(const std::array<const char*, kCount>& all, std::mt19937_64& random) {
-  return all.at(random() % kCount);
-}
-
 bool is_known(const LivedPast& past, const std::string& thing) {
   return std::any_of(
       past.known_things.begin(), past.known_things.end(), [&](const std::string& one) {
@@ -34,11 +30,12 @@ bool is_known(const LivedPast& past, const std::string& thing) {
 
 void add_strangers(const AnswerList& list, std::mt19937_64& random) {
   for (int i = 0; i < 8; ++i)
-    if (const std::string thing = one_of(kStrangeThings, random); !is_known(list.past, thing))
+    if (const std::string thing = *one_of(kStrangeThings, random); !is_known(list.past, thing))
       list.add_unknown("unknown_thing", {.thing = thing});
   for (int i = 0; i < 2; ++i) {
-    list.add_unknown("unknown_person", {}, {{"person", one_of(kStrangePersons, random)}});
-    if (const std::string place = one_of(kStrangePlaces, random); !list.past.places.contains(place))
+    list.add_unknown("unknown_person", {}, {{"person", *one_of(kStrangePersons, random)}});
+    if (const std::string place = *one_of(kStrangePlaces, random);
+        !list.past.places.contains(place))
       list.add_unknown("unknown_place", {.place = place});
   }
 }

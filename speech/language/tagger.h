@@ -47,7 +47,7 @@ class Tagger {
   virtual void correct(std::vector<QuestionWord>& words, const Lexicon& lexicon) const = 0;
 
   /// Words come without those that told of times, and with phrases replaced
-  /// (speech/language/english.h).
+  /// (speech/language/question_phrases.h).
   [[nodiscard]] virtual std::vector<TaggedWord> tag(const std::vector<QuestionWord>& words,
                                                     const Lexicon& lexicon) const = 0;
 };
