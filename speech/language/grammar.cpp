@@ -146,6 +146,11 @@ bool asks_for_future(const QuestionParts& parts) {
          !main.has("was") && !main.has("were");
 }
 
+/// What nobody is asked to do who is asked what was.
+bool is_order_to_pretend(std::string_view word) {
+  return is_any(word, {"ignore", "disregard", "pretend", "override"});
+}
+
 /// "Could you bring me the salt?", "Bring me the salt."
 bool is_request(const QuestionParts& parts) {
   const ClauseParts& main = parts.main;
@@ -155,11 +160,11 @@ bool is_request(const QuestionParts& parts) {
     return true;
   if (main.words.empty()) return false;
   const TaggedWord& first = main.words.front();
-  if (is_any(first.text, {"ignore", "forget", "bring", "pretend"})) return true;
+  if (is_order_to_pretend(first.text) || is_any(first.text, {"forget", "bring"})) return true;
   if (parts.asks != Asks::kNothing) return false;
   const bool is_base = first.text == first.lemma;
   return (first.tag == WordTag::kVerb && is_base && !main.has("you")) ||
-         is_any(first.text, {"bring", "stop", "move", "carry", "please", "ignore"});
+         is_any(first.text, {"stop", "move", "carry", "please"});
 }
 
 /// A name that nothing has in the sentences before, where the question is about it: "And the honey?
@@ -209,7 +214,7 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
   tagger.correct(words, lexicon);
   QuestionInWords in_words;
-  in_words.is_order = is_any(words.front().text, {"ignore", "disregard", "pretend", "override"});
+  in_words.is_order = is_order_to_pretend(words.front().text);
   in_words.is_stated = words.back().ends_statement;
   take_endearments(words);
   take_question_tags(words);

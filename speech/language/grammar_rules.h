@@ -4,8 +4,10 @@
 // Private to this room: the rules of the grammar, one group per file.
 
 #include <algorithm>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "speech/language/lexicon.h"
 #include "speech/language/question_parts.h"
@@ -42,6 +44,8 @@ class GrammarRules {
   // What would have been (rules_of_instead.cpp).
   Found unfinished();
   Found instead();
+  /// Whether the sentences before the question tell of one of these.
+  [[nodiscard]] bool context_has(std::initializer_list<std::string_view> lemmas) const;
 
   // Who, why and when (rules_of_events.cpp).
   Found who();

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What would have been, or was still to be done.
 #include <algorithm>
 
 #include "speech/language/grammar_rules.h"
@@ -69,6 +70,12 @@ bool is_of_intent(const ClauseParts& clause) {
 
 }  // namespace
 
+bool GrammarRules::context_has(std::initializer_list<std::string_view> lemmas) const {
+  return std::any_of(lemmas.begin(), lemmas.end(), [this](std::string_view lemma) {
+    return parts_.context_lemmas.contains(std::string(lemma));
+  });
+}
+
 /// "Where would the salt be without the stop?", "What were you going to do when it failed?"
 GrammarRules::Found GrammarRules::unfinished() {
   const bool is_of_plan = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich ||
@@ -80,11 +87,6 @@ GrammarRules::Found GrammarRules::unfinished() {
   const bool is_condition = cut_off != CutOff::kNone;
   if (!is_condition && parts_.beside && parts_.beside->link != ClauseLink::kAfter)
     cut_off = cut_off_of(parts_.beside->parts);
-  const auto context_has = [this](std::initializer_list<std::string_view> lemmas) {
-    return std::any_of(lemmas.begin(), lemmas.end(), [this](std::string_view lemma) {
-      return parts_.context_lemmas.contains(std::string(lemma));
-    });
-  };
   if (cut_off == CutOff::kNone && context_has({"stop", "interrupt", "halt"}))
     cut_off = CutOff::kStop;
   else if (cut_off == CutOff::kNone && context_has({"fail", "wrong", "could", "miss", "pretend"}))
@@ -113,10 +115,6 @@ GrammarRules::Found GrammarRules::unfinished() {
 /// "What would you have done if nobody had said stop?"
 GrammarRules::Found GrammarRules::instead() {
   // "Suppose nobody had said stop. What was left to do?"
-  const auto context_has = [this](std::initializer_list<const char*> lemmas) {
-    return std::any_of(lemmas.begin(), lemmas.end(),
-                       [this](const char* lemma) { return parts_.context_lemmas.contains(lemma); });
-  };
   const bool is_context_stop = context_has({"stop", "interrupt", "halt"});
   const bool is_context_failure = context_has({"fail", "wrong"});
   const bool is_what_if = main_.has_words({"what", "if"});

@@ -67,6 +67,12 @@ bool is_manner(const std::string& word) {
                         "correctly",  "badly"});
 }
 
+/// Whether a program tells what would have been.
+bool tells_instead(const Program& program) {
+  return has_program_step(program, {StepKind::kInstead, StepKind::kInsteadHas,
+                                    StepKind::kInsteadNext, StepKind::kInsteadWhere});
+}
+
 bool asks_which(const Program& program, std::string_view what) {
   return std::any_of(program.steps.begin(), program.steps.end(), [&](const ProgramStep& step) {
     return (step.kind == StepKind::kWhich || step.kind == StepKind::kHowMany) && step.argument &&
@@ -133,9 +139,8 @@ bool GrammarRules::names_are_said(const Program& program) const {
     return false;
   // Whose words caused something is told with the cause, whoever the question names.
   const bool tells_whose =
-      has_program_step(program, {StepKind::kWho, StepKind::kWhoStopped, StepKind::kWhy,
-                                 StepKind::kReason, StepKind::kInstead, StepKind::kInsteadHas,
-                                 StepKind::kInsteadNext, StepKind::kInsteadWhere});
+      tells_instead(program) || has_program_step(program, {StepKind::kWho, StepKind::kWhoStopped,
+                                                           StepKind::kWhy, StepKind::kReason});
   return tells_whose || are_named(program, main_.persons, {FilterKey::kSpeaker, FilterKey::kText});
 }
 
@@ -190,10 +195,9 @@ bool GrammarRules::clause_is_said(const Program& program) const {
       {"stop", "interrupt", "halt", "abort", "fail", "wrong", "not", "unable", "miss"});
   return (is_cut_off && has_filter(program, FilterKey::kOutcome)) ||
          has_filter(program, FilterKey::kText) ||
-         has_program_step(program, {StepKind::kNext, StepKind::kPrevious, StepKind::kInstead,
-                                    StepKind::kInsteadHas, StepKind::kInsteadNext,
-                                    StepKind::kInsteadWhere, StepKind::kRetried, StepKind::kAgo,
-                                    StepKind::kMoreThan, StepKind::kLessThan, StepKind::kReason});
+         has_program_step(program,
+                          {StepKind::kNext, StepKind::kPrevious, StepKind::kRetried, StepKind::kAgo,
+                           StepKind::kMoreThan, StepKind::kLessThan, StepKind::kReason});
 }
 
 bool GrammarRules::bounds_are_said(const Program& program) const {
@@ -270,10 +274,9 @@ bool GrammarRules::verbs_are_said(const Program& program) const {
 }
 
 bool GrammarRules::endings_are_said(const Program& program) const {
-  const bool tells_ending = has_program_step(
-      program, {StepKind::kReason, StepKind::kSucceeded, StepKind::kRetried, StepKind::kNone,
-                StepKind::kWhy, StepKind::kWhoStopped, StepKind::kInstead, StepKind::kInsteadHas,
-                StepKind::kInsteadNext, StepKind::kInsteadWhere});
+  const bool tells_ending =
+      has_program_step(program, {StepKind::kReason, StepKind::kSucceeded, StepKind::kRetried,
+                                 StepKind::kNone, StepKind::kWhy, StepKind::kWhoStopped});
   const bool has_ending = tells_ending || has_filter(program, FilterKey::kOutcome);
   if (asks_about_failure() && !has_ending) return false;
   const bool is_of_words =
@@ -288,10 +291,7 @@ bool GrammarRules::endings_are_said(const Program& program) const {
   if (is_superlative() && !has_program_step(program, {StepKind::kLongest, StepKind::kShortest,
                                                       StepKind::kMoreThan, StepKind::kLessThan}))
     return false;
-  const bool tells_instead = has_program_step(
-      program,
-      {StepKind::kInstead, StepKind::kInsteadHas, StepKind::kInsteadNext, StepKind::kInsteadWhere});
-  if (main_.has("would") && main_.has("if") && !tells_instead) return false;
+  if (main_.has("would") && main_.has("if")) return false;
   const bool is_compared =
       has_program_step(program, {StepKind::kMoreThan, StepKind::kLessThan, StepKind::kEquals});
   return !main_.has("than") || is_compared;
@@ -299,9 +299,7 @@ bool GrammarRules::endings_are_said(const Program& program) const {
 
 bool GrammarRules::says_all(const Program& program) const {
   // What would have been is told by the plan, however it is denied and bounded.
-  if (has_program_step(program, {StepKind::kInstead, StepKind::kInsteadHas, StepKind::kInsteadNext,
-                                 StepKind::kInsteadWhere}))
-    return names_are_said(program);
+  if (tells_instead(program)) return names_are_said(program);
   return endings_are_said(program) && names_are_said(program) && is_of_who_is_asked(program) &&
          bounds_are_said(program) && verbs_are_said(program);
 }
