@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// How long, how far, with which hand, from where and to where something was done, compared too.
 #include <algorithm>
 #include <set>
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What was done, how often, in which order and when.
 #include <cmath>
 #include <set>
 

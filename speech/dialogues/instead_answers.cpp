@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What would have been done without a stop or a failure.
 #include <algorithm>
 
 #include "speech/dialogues/known_answer.h"

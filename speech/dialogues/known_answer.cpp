@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/dialogues/known_answer.h"
 
-#include <algorithm>
 #include <array>
 
 namespace engram::speech::dialogues {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What was so at a moment: what went on, what was held, where things and the robot were.
 #include <algorithm>
 #include <map>
 #include <random>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Where things are, were seen and are held.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -2,7 +2,6 @@
 #include "speech/dialogues/phrasings.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 

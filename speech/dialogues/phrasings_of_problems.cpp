@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Templates of problems, of what would have been and of what has no answer.
 #include <array>
 
 #include "speech/dialogues/phrasings.h"

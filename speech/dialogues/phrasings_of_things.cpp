@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Templates of things and moments.
 #include <array>
 
 #include "speech/dialogues/phrasings.h"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What failed, was stopped and was tried again.
 #include <set>
 
 #include "speech/dialogues/known_answer.h"

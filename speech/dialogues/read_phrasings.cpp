@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Reads the words of others from lines of JSON.
 #include <algorithm>
 #include <array>
 #include <fstream>

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Why something was done, stopped or failed, and who caused it.
 #include "speech/dialogues/known_answer.h"
 
 namespace engram::speech::dialogues {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What was asked for, by whom and when, and the steps of plans.
 #include "speech/dialogues/known_answer.h"
 
 namespace engram::speech::dialogues {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What nobody can answer.
 #include <algorithm>
 #include <array>
 #include <random>

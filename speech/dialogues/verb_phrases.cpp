@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// English words for the skills of a kitchen.
 #include <array>
 
 #include "speech/dialogues/phrasings.h"

@@ -6,7 +6,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "memory/memory.h"
+#include "speech/facts/answer_value.h"
 #include "speech/facts/known_facts.h"
 #include "speech/language/grammar.h"
 #include "speech/language/lexicon.h"
@@ -14,6 +17,7 @@
 #include "speech/language/tagger.h"
 #include "speech/program/outcome.h"
 #include "speech/program/period.h"
+#include "speech/program/program.h"
 
 namespace engram::speech {
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Polite and roundabout beginnings of questions.
 #include "speech/language/english.h"
 #include "speech/language/word_pattern.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+// Base forms of verbs and nouns.
 #include <map>
 
 #include "speech/language/word_pattern.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/language/lexicon.h"
 
-#include <algorithm>
-
 #include "ltm/core/ascii.h"
 #include "speech/language/english.h"
 

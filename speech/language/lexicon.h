@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "speech/facts/known_facts.h"
 #include "speech/program/skill_verbs.h"

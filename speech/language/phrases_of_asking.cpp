@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Who, which, when, why, where and how much, in many words.
 #include "speech/language/question_phrases.h"
 
 namespace engram::speech {

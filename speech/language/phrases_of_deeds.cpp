@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What was done, in which order, with which end, and on whose word.
 #include "speech/language/question_phrases.h"
 
 namespace engram::speech {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Things, sight, hands and places.
 #include "speech/language/question_phrases.h"
 
 namespace engram::speech {

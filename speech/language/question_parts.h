@@ -3,9 +3,11 @@
 
 // Private to this room: what rules of the grammar look at.
 
+#include <initializer_list>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "speech/language/tagger.h"

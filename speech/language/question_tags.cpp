@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What makes a question of a statement, and how people call whom they talk to.
 #include "speech/language/english.h"
 #include "speech/language/word_pattern.h"
 

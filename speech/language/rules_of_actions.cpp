@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// How long, how far, how often, how many, which and what.
 #include "speech/language/grammar_rules.h"
 
 namespace engram::speech {

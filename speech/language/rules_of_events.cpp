@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Who, why and when.
 #include "speech/language/grammar_rules.h"
 
 namespace engram::speech {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Where things and the robot are, what is held, and what is seen.
 #include "speech/language/grammar_rules.h"
 
 namespace engram::speech {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// Whether something is so, and comparisons.
 #include <algorithm>
 
 #include "speech/language/grammar_rules.h"

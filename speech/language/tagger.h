@@ -8,6 +8,7 @@
 
 #include "speech/language/lexicon.h"
 #include "speech/language/words.h"
+#include "speech/program/skill_verbs.h"
 
 namespace engram::speech {
 
