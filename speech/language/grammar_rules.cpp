@@ -29,6 +29,12 @@ bool has_object_it(const ClauseParts& clause) {
   return false;
 }
 
+/// Whether a clause says that something is done to a thing. "How long did it take" is of no thing.
+bool names_thing(const ClauseParts& clause) {
+  return !clause.things.empty() || has_object_it(clause) ||
+         clause.has_any({"them", "something", "anything", "thing", "object"});
+}
+
 bool is_carrying(std::string_view lemma) {
   return is_any(lemma, {"move", "bring", "carry", "transport", "shift", "relocate", "deliver",
                         "take", "get", "transfer"});
@@ -52,46 +58,44 @@ void GrammarRules::add_places(Program& program) const {
 
 /// To bring a thing to a place is to place it there; to move one is both to take and to place it;
 /// to move without a thing is to drive.
+std::optional<std::vector<std::string>> GrammarRules::carrying_skills(
+    const ClauseParts& clause, std::string_view lemma) const {
+  const auto named = [this](std::initializer_list<std::string_view> verbs) {
+    std::vector<std::string> skills;
+    for (const std::string_view verb : verbs)
+      if (std::string skill = skills_called({verb}); !skill.empty())
+        skills.push_back(std::move(skill));
+    return skills;
+  };
+  const bool has_thing = names_thing(clause);
+  const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
+  const bool is_which = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich;
+  const bool is_taking = is_any(lemma, {"take", "get"});
+  if (!has_thing && clause.places.empty()) {
+    if (!is_which || is_taking) return {};
+    return is_any(lemma, {"move", "shift"}) ? named({"place", "pick"}) : named({"place"});
+  }
+  // To bring needs a thing, also where the question is which.
+  const bool is_of_thing = has_thing || is_any(lemma, {"bring", "carry", "transport", "deliver"});
+  if (is_of_thing && !clause.places.empty() && leads_somewhere) return named({"place"});
+  if (lemma == "get" && !has_thing && leads_somewhere) return named({"drive"});
+  if (is_taking || !has_thing) return {};
+  return is_any(lemma, {"bring", "deliver"}) ? named({"place"}) : named({"pick", "place"});
+}
+
 std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   std::vector<std::string> skills = clause.skills;
   const auto add = [&](std::string_view lemma) {
     if (std::string named = skills_called({lemma}); !named.empty())
       skills.push_back(std::move(named));
   };
-  // "How long did it take" is of no thing.
-  const bool is_it = has_object_it(clause);
-  const bool has_thing = !clause.things.empty() || is_it ||
-                         clause.has_any({"them", "something", "anything", "thing", "object"});
-  const bool leads_somewhere = clause.has_any({"to", "onto", "into", "over", "on"});
-  const bool is_which = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich;
-  const auto carry = [&](const std::string& lemma) {
-    // To bring needs a thing, also where the question is which.
-    const bool is_of_thing = has_thing || lemma == "bring" || lemma == "carry" ||
-                             lemma == "transport" || lemma == "deliver";
-    if (!has_thing && clause.places.empty() && is_which && lemma != "take" && lemma != "get") {
-      add("place");
-      if (lemma == "move" || lemma == "shift") add("pick");
-      return true;
-    }
-    if (!has_thing && clause.places.empty()) return false;
-    if (is_of_thing && !clause.places.empty() && leads_somewhere) {
-      add("place");
-      return true;
-    }
-    if (lemma == "get" && !has_thing && leads_somewhere) {
-      add("drive");
-      return true;
-    }
-    if (lemma == "take" || lemma == "get") return false;
-    if (has_thing && (lemma == "bring" || lemma == "deliver")) {
-      add("place");
-      return true;
-    }
-    if (!has_thing) return false;
-    add("pick");
-    add("place");
-    return true;
+  const auto carry = [&](std::string_view lemma) {
+    const auto carrying = carrying_skills(clause, lemma);
+    if (carrying) skills.insert(skills.end(), carrying->begin(), carrying->end());
+    return carrying.has_value();
   };
+  const bool has_thing = names_thing(clause);
+  const bool is_which = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich;
   for (const TaggedWord* verb : clause.verbs) {
     if (is_carrying(verb->lemma) && carry(verb->lemma)) continue;
     // What takes long is not taken.

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "speech/language/lexicon.h"
 #include "speech/language/question_parts.h"
@@ -54,11 +55,22 @@ class GrammarRules {
 
   // How much, which and what (rules_of_actions.cpp).
   Found amounts();
+  Found how_long();
+  Found how_far();
+  Found how_many_words();
+  Found how_many_things();
   Found which();
+  Found which_hand();
   Found what();
+  Found what_at_ends();
+  Found what_was_said();
+  Found what_was_done(bool is_narration);
 
   // Where things and the robot are, and what is seen (rules_of_things.cpp).
   Found where();
+  Found where_before();
+  Found where_gone();
+  Found where_done(const std::string& skills);
   Found holding();
   Found on_place();
   Found seeing();
@@ -72,6 +84,8 @@ class GrammarRules {
   Found whether_failed();
   Found whether_asked();
   Found whether_of_thing();
+  Found whether_held(bool is_of_empty_hand);
+  Found whether_seen(bool is_anything);
 
   /// The executions that the words select: skill, thing, place, hand, person, time.
   [[nodiscard]] Program executions() const;
@@ -79,6 +93,10 @@ class GrammarRules {
   [[nodiscard]] Program executions_of(const ClauseParts& clause) const;
   /// The skills that the verbs of a clause mean, joined by commas; empty: it has none.
   [[nodiscard]] std::string skills_of(const ClauseParts& clause) const;
+  /// The skills by which a thing is carried, for a verb such as "bring" or "move"; nothing: it
+  /// means what else it says.
+  [[nodiscard]] std::optional<std::vector<std::string>> carrying_skills(
+      const ClauseParts& clause, std::string_view lemma) const;
   /// The skills of the memory that verbs of English name, joined by commas: "pick".
   [[nodiscard]] std::string skills_called(std::initializer_list<std::string_view> verbs) const;
   /// Adds these skills, where the memory has any.

@@ -126,108 +126,109 @@ bool is_of_clause(const TaggedWord& word) {
          (word.tag == WordTag::kVerb && word.lemma != "take" && word.lemma != "need");
 }
 
+bool has_word(const TaggedWords& words, std::initializer_list<std::string_view> texts) {
+  return std::any_of(words.begin(), words.end(),
+                     [&](const TaggedWord& word) { return is_word(word, texts); });
+}
+
+bool has_tag(const TaggedWords& words, std::initializer_list<WordTag> tags) {
+  return std::any_of(words.begin(), words.end(), [&](const TaggedWord& word) {
+    return std::find(tags.begin(), tags.end(), word.tag) != tags.end();
+  });
+}
+
+/// What a question word asks for that stands behind an auxiliary, which `begin` is: kNothing where
+/// there is none.
+Asks asked_behind_auxiliary(const TaggedWords& words, size_t begin) {
+  const bool is_had = is_word(words[begin], {"had"});
+  // "Did somebody give you tasks, and who was it?"
+  if (!is_had)
+    for (size_t at = begin + 2; at < words.size(); ++at)
+      if ((words[at - 1].ends_clause || is_word(words[at - 1], {"and"})) &&
+          asked_by(words, at) != Asks::kNothing && asked_by(words, at) != Asks::kWhen)
+        return asked_by(words, at);
+  // "Did you do anything, and what?"
+  const Asks at_end = asked_by(words, words.size() - 1);
+  if (words.size() > begin + 3 && at_end != Asks::kNothing && at_end != Asks::kWhen) return at_end;
+  // "Had you picked it up, what would ..."
+  if (is_had)
+    for (size_t at = begin + 1; at < words.size(); ++at)
+      if (words[at - 1].ends_clause && asked_by(words, at) != Asks::kNothing)
+        return asked_by(words, at);
+  return Asks::kNothing;
+}
+
+/// What the first question word asks for; kNothing where there is none.
+Asks asked_by_word(const TaggedWords& words) {
+  Asks found = Asks::kNothing;
+  for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
+    found = asked_by(words, at);
+  // "How long was that, in metres?"
+  if (found == Asks::kHowLong && has_word(words, {"how_far"})) return Asks::kHowFar;
+  // For whom and why: the reasons tell both.
+  if (found == Asks::kWho)
+    for (size_t at = 1; at + 1 < words.size(); ++at)
+      if (is_word(words[at], {"and"}) && asked_by(words, at + 1) == Asks::kWhy) return Asks::kWhy;
+  return found;
+}
+
+/// What a clause asks for by naming it: "Objects placed?", "The salt on the table?"
+Asks asked_by_names(const TaggedWords& words) {
+  const bool has_thing_word =
+      has_word(words, {"objects", "things", "items", "object", "item", "thing"});
+  const bool has_deed = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
+    return word.tag == WordTag::kVerb || is_any(word.lemma, {"see", "hold"}) ||
+           word.text == "visible";
+  });
+  const bool has_place = has_tag(words, {WordTag::kPlace});
+  if (std::any_of(words.begin(), words.end(), is_auxiliary)) return Asks::kNothing;
+  // "Last command received?"
+  if (has_word(words, {"command", "order", "request", "instruction", "task"}) &&
+      has_word(words, {"first", "last", "latest"}))
+    return Asks::kWhat;
+  const bool is_plural = has_word(words, {"objects", "things", "items"});
+  const bool is_counted = has_word(words, {"count", "number", "altogether", "with"});
+  if (has_thing_word && !is_counted && (has_deed || (has_place && is_plural))) return Asks::kWhich;
+  // "An object on the counter?"
+  const bool has_thing =
+      has_thing_word || has_tag(words, {WordTag::kThing}) || has_word(words, {"anything"});
+  return has_thing && has_place && !has_deed ? Asks::kWhether : Asks::kNothing;
+}
+
+/// Whether a clause without a question word asks whether something is so.
+bool asks_whether(const TaggedWords& words, bool is_indirect) {
+  // "Is it true that you picked up the salt?", "Do you remember picking up the salt?"
+  if (is_indirect && words.front().text == "you") return true;
+  if (is_indirect && words.front().text.ends_with("ing") &&
+      (words.front().tag == WordTag::kVerb || words.front().lemma == "see"))
+    return true;
+  for (size_t at = 0; at < words.size(); ++at)
+    if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return true;
+  // "You picked up the salt?"
+  return has_word(words, {"you"}) && has_tag(words, {WordTag::kVerb, WordTag::kSkill});
+}
+
 /// What a clause asks for; a question word that asks more than that something is comes first.
 Asks asked_for(const TaggedWords& words, bool is_indirect) {
   // "Was it the right hand with which you ..." asks whether.
   const size_t begin = begin_of_asking(words);
   if (is_word(words[begin], {"whether"})) return Asks::kWhether;
-  // "Did somebody give you tasks, and who was it?"
-  if (is_auxiliary(words[begin]) && !is_word(words[begin], {"had"}))
-    for (size_t at = begin + 2; at < words.size(); ++at)
-      if ((words[at - 1].ends_clause || is_word(words[at - 1], {"and"})) &&
-          asked_by(words, at) != Asks::kNothing && asked_by(words, at) != Asks::kWhen)
-        return asked_by(words, at);
-  // "Had you picked it up, what would ...", "Did you do anything, and what?"
-  const Asks at_end = asked_by(words, words.size() - 1);
-  if (is_auxiliary(words[begin]) && words.size() > begin + 3 && at_end != Asks::kNothing &&
-      at_end != Asks::kWhen)
-    return at_end;
-  if (is_word(words[begin], {"had"}))
-    for (size_t at = begin + 1; at < words.size(); ++at)
-      if (words[at - 1].ends_clause && asked_by(words, at) != Asks::kNothing)
-        return asked_by(words, at);
-  if (!is_indirect && is_auxiliary(words[begin])) return Asks::kWhether;
+  const bool is_first = is_auxiliary(words[begin]);
+  if (is_first)
+    if (const Asks behind = asked_behind_auxiliary(words, begin); behind != Asks::kNothing)
+      return behind;
+  if (!is_indirect && is_first) return Asks::kWhether;
   // "Any problems today?"
   if (!is_indirect && is_word(words[begin], {"any", "anything", "ever"}) &&
-      std::none_of(words.begin(), words.end(), [](const TaggedWord& word) {
-        return is_word(word, {"where", "what", "which", "who", "why", "how", "when"});
-      }))
+      !has_word(words, {"where", "what", "which", "who", "why", "how", "when"}))
     return Asks::kWhether;
-  Asks found = Asks::kNothing;
-  for (size_t at = 0; at < words.size() && found == Asks::kNothing; ++at)
-    found = asked_by(words, at);
-  // "How long was that, in metres?"
-  if (found == Asks::kHowLong &&
-      std::any_of(words.begin(), words.end(),
-                  [](const TaggedWord& word) { return is_word(word, {"how_far"}); }))
-    return Asks::kHowFar;
-  // For whom and why: the reasons tell both.
-  if (found == Asks::kWho)
-    for (size_t at = 1; at + 1 < words.size(); ++at)
-      if (is_word(words[at], {"and"}) && asked_by(words, at + 1) == Asks::kWhy) return Asks::kWhy;
   // "Did you see where ..." asks where; "did you do what ..." is rare.
-  if (found != Asks::kNothing) return found;
-  if (is_indirect && std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-        return is_word(word, {"if", "whether"});
-      }))
-    return Asks::kWhether;
+  if (const Asks found = asked_by_word(words); found != Asks::kNothing) return found;
+  if (is_indirect && has_word(words, {"if", "whether"})) return Asks::kWhether;
   // "Everything you did", "whatever you put down".
-  if (std::any_of(words.begin(), words.end(),
-                  [](const TaggedWord& word) {
-                    return is_word(word, {"everything", "whatever", "every", "all"});
-                  }) &&
-      !is_auxiliary(words[begin]))
-    return Asks::kWhat;
-  // "Objects placed?"
-  const bool has_thing_word = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return is_word(word, {"objects", "things", "items", "object", "item", "thing"});
-  });
-  const bool has_deed = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return word.tag == WordTag::kVerb || word.lemma == "see" || word.lemma == "hold" ||
-           word.text == "visible";
-  });
-  const bool has_place = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return word.tag == WordTag::kPlace;
-  });
-  const bool is_told = std::any_of(words.begin(), words.end(), is_auxiliary);
-  const bool is_plural = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return is_word(word, {"objects", "things", "items"});
-  });
-  const bool is_counted = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return is_word(word, {"count", "number", "altogether", "with"});
-  });
-  // "Last command received?"
-  const bool is_of_order = std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-    return is_word(word, {"command", "order", "request", "instruction", "task"});
-  });
-  if (is_of_order && !is_told &&
-      std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-        return is_word(word, {"first", "last", "latest"});
-      }))
-    return Asks::kWhat;
-  if (has_thing_word && !is_counted && !is_told && (has_deed || (has_place && is_plural)))
-    return Asks::kWhich;
-  // "The salt on the table?", "An object on the counter?"
-  const bool has_thing =
-      has_thing_word || std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-        return word.tag == WordTag::kThing || word.text == "anything";
-      });
-  if (has_thing && has_place && !is_told && !has_deed) return Asks::kWhether;
-  // "Is it true that you picked up the salt?", "Do you remember picking up the salt?"
-  if (is_indirect && words.front().text == "you") return Asks::kWhether;
-  if (is_indirect && words.front().text.ends_with("ing") &&
-      (words.front().tag == WordTag::kVerb || words.front().lemma == "see"))
-    return Asks::kWhether;
-  for (size_t at = 0; at < words.size(); ++at)
-    if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return Asks::kWhether;
-  // "You picked up the salt?"
-  const auto is_of_you = [](const TaggedWord& word) { return word.text == "you"; };
-  if (std::any_of(words.begin(), words.end(), is_of_you) &&
-      std::any_of(words.begin(), words.end(), [](const TaggedWord& word) {
-        return word.tag == WordTag::kVerb || word.tag == WordTag::kSkill;
-      }))
-    return Asks::kWhether;
-  return Asks::kNothing;
+  if (has_word(words, {"everything", "whatever", "every", "all"}) && !is_first) return Asks::kWhat;
+  if (const Asks found = asked_by_names(words); found != Asks::kNothing) return found;
+  return asks_whether(words, is_indirect) ? Asks::kWhether : Asks::kNothing;
 }
 
 /// Whether a main clause asks of the very event that its subordinate clause tells of: "Why were you
@@ -372,19 +373,12 @@ QuestionParts parts_of_question(const std::vector<TaggedWord>& words, AskedTimes
     main.insert(main.begin(), sentences[told].begin(), sentences[told].end());
   }
   // "The table had things on it. What did you take from there?"
-  const bool has_place_word = std::any_of(
-      main.begin(), main.end(), [](const TaggedWord& word) { return word.tag == WordTag::kPlace; });
-  const bool is_of_there = std::any_of(main.begin(), main.end(), [](const TaggedWord& word) {
-    return is_word(word, {"there", "it", "one"});
-  });
-  const bool has_thing_name = std::any_of(
-      main.begin(), main.end(), [](const TaggedWord& word) { return word.tag == WordTag::kThing; });
+  const bool has_place_word = has_tag(main, {WordTag::kPlace});
+  const bool is_of_there = has_word(main, {"there", "it", "one"});
+  const bool has_thing_name = has_tag(main, {WordTag::kThing});
   if (asking > 0 && !has_place_word && is_of_there)
     for (const TaggedWord& word : sentences[asking - 1])
-      if (word.tag == WordTag::kPlace &&
-          (!has_thing_name || std::any_of(main.begin(), main.end(), [](const TaggedWord& one) {
-            return one.text == "there";
-          }))) {
+      if (word.tag == WordTag::kPlace && (!has_thing_name || has_word(main, {"there"}))) {
         main.push_back(word);
         main.back().begins_sentence = false;
         break;

@@ -4,45 +4,92 @@
 
 namespace engram::speech {
 
+GrammarRules::Found GrammarRules::how_long() {
+  Program program = executions();
+  // What lies between two events is no execution.
+  if (program.filters.empty() && !has_order()) return {};
+  if (main_.has("from") && main_.has("to") && main_.places.empty()) return {};
+  // How long a thing was held, or the robot was somewhere, is no execution.
+  const bool is_of_state =
+      skills_of(main_).empty() &&
+      (asks_about_holding() || (is_of_robot() && main_.has_any({"were", "been", "are"})));
+  if (is_of_state) return {};
+  const bool is_of_clause = parts_.beside && !main_.has_verb() && thing().empty();
+  if (main_.has_any({"after", "before"}) || is_of_clause) return {};
+  const bool is_of_one = has_order() || program.find(FilterKey::kSkill) != nullptr ||
+                         program.find(FilterKey::kThing) != nullptr ||
+                         program.find(FilterKey::kPlace) != nullptr;
+  const bool is_total = main_.has_any({"altogether", "total", "overall"}) ||
+                        (main_.has("spend") && thing().empty() && main_.places.empty());
+  if (is_of_one && !is_total) add_order(program, StepKind::kLast);
+  return program.then(StepKind::kHowLong);
+}
+
+GrammarRules::Found GrammarRules::how_far() {
+  // How far away something is was never measured.
+  if (!thing().empty() || !main_.hands.empty() || main_.has_any({"hand", "arm", "reach", "miss"}))
+    return {};
+  if (!is_of_robot() && !main_.has_verb()) return {};
+  if (main_.has_any({"is", "away", "from"}) && !main_.has_verb()) return {};
+  // No program tells which of several drives was the farthest.
+  if (is_superlative() || parts_.asks == Asks::kWhich) return {};
+  Program program = executions();
+  if (program.find(FilterKey::kSkill) == nullptr) add_skills(program, {"drive"});
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kHowFar);
+}
+
+/// How many persons spoke, or how often something was said or asked for.
+GrammarRules::Found GrammarRules::how_many_words() {
+  if (!asks_about_words()) return {};
+  const bool is_of_persons = main_.has_any({"people", "person", "human", "somebody"});
+  if (parts_.asks != Asks::kHowOften && is_of_persons) {
+    Program program{ProgramSource::kWords, {}, {}};
+    add_times(program);
+    return program.then(StepKind::kHowMany, "person");
+  }
+  if (main_.has_verb() && !main_.has_any({"request", "command", "order", "instruction"})) return {};
+  Program program{main_.has_any({"say", "speak", "talk", "word"}) ? ProgramSource::kWords
+                                                                  : ProgramSource::kPlans,
+                  {},
+                  {}};
+  if (program.source == ProgramSource::kPlans) {
+    add_thing(program);
+    add_places(program);
+  }
+  if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
+  add_times(program);
+  return program.then(StepKind::kCount);
+}
+
+/// How many things are somewhere, in a hand or in sight, or were seen.
+GrammarRules::Found GrammarRules::how_many_things() {
+  Program program{ProgramSource::kThings, {}, {}};
+  add_places(program);
+  if (asks_about_holding()) program.with(FilterKey::kIsHeld, "yes");
+  if (asks_about_sight() && (parts_.times.at || parts_.beside)) {
+    add_moment(program);
+    program.with(FilterKey::kVisible, "yes");
+  } else if (asks_about_sight() && !main_.has("did") &&
+             (main_.has_words({"do", "you"}) || main_.has("can")))
+    program.with(FilterKey::kVisible, "yes");
+  else if (asks_about_sight() && !main_.has("visible"))
+    program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+  else
+    add_moment(program);
+  return program.then(StepKind::kCount);
+}
+
 /// How long, how far, how often and how many.
 GrammarRules::Found GrammarRules::amounts() {
-  if (parts_.asks == Asks::kHowLong || (parts_.asks == Asks::kNothing && main_.has("duration")) ||
-      (parts_.asks == Asks::kWhat && main_.has("duration"))) {
-    Program program = executions();
-    // What lies between two events is no execution.
-    if (program.filters.empty() && !has_order()) return {};
-    if (main_.has("from") && main_.has("to") && main_.places.empty()) return {};
-    // How long a thing was held, or the robot was somewhere, is no execution.
-    const bool is_of_state =
-        skills_of(main_).empty() &&
-        (asks_about_holding() || (is_of_robot() && main_.has_any({"were", "been", "are"})));
-    if (is_of_state) return {};
-    const bool is_of_clause = parts_.beside && !main_.has_verb() && thing().empty();
-    if (main_.has_any({"after", "before"}) || is_of_clause) return {};
-    const bool is_of_one = has_order() || program.find(FilterKey::kSkill) != nullptr ||
-                           program.find(FilterKey::kThing) != nullptr ||
-                           program.find(FilterKey::kPlace) != nullptr;
-    const bool is_total = main_.has_any({"altogether", "total", "overall"}) ||
-                          (main_.has("spend") && thing().empty() && main_.places.empty());
-    if (is_of_one && !is_total) add_order(program, StepKind::kLast);
-    return program.then(StepKind::kHowLong);
-  }
+  const bool is_how_long =
+      parts_.asks == Asks::kHowLong ||
+      ((parts_.asks == Asks::kNothing || parts_.asks == Asks::kWhat) && main_.has("duration"));
+  if (is_how_long) return how_long();
   if (main_.has_any({"total", "altogether", "overall"}) && main_.has("time") && main_.has_verb() &&
       parts_.asks != Asks::kHowOften)
     return executions().then(StepKind::kHowLong);
-  if (parts_.asks == Asks::kHowFar || main_.has("distance")) {
-    // How far away something is was never measured.
-    if (!thing().empty() || !main_.hands.empty() || main_.has_any({"hand", "arm", "reach", "miss"}))
-      return {};
-    if (!is_of_robot() && !main_.has_verb()) return {};
-    if (main_.has_any({"is", "away", "from"}) && !main_.has_verb()) return {};
-    // No program tells which of several drives was the farthest.
-    if (is_superlative() || parts_.asks == Asks::kWhich) return {};
-    Program program = executions();
-    if (program.find(FilterKey::kSkill) == nullptr) add_skills(program, {"drive"});
-    if (has_order()) add_order(program, {});
-    return program.then(StepKind::kHowFar);
-  }
+  if (parts_.asks == Asks::kHowFar || main_.has("distance")) return how_far();
   // Steps of a plan are no executions, and no program counts them.
   if (main_.has("step") && main_.has("plan")) return {};
   const bool is_count = main_.has_any({"count", "number", "total"}) &&
@@ -57,28 +104,7 @@ GrammarRules::Found GrammarRules::amounts() {
     program.with(FilterKey::kOutcome, asks_about_stop() ? "stop" : "failure");
     return program.then(StepKind::kCount);
   }
-  const bool is_of_persons = main_.has_any({"people", "person", "human", "somebody"});
-  if (!is_often && is_of_persons && asks_about_words()) {
-    Program program{ProgramSource::kWords, {}, {}};
-    add_times(program);
-    return program.then(StepKind::kHowMany, "person");
-  }
-  const bool is_of_words =
-      asks_about_words() &&
-      (!main_.has_verb() || main_.has_any({"request", "command", "order", "instruction"}));
-  if (is_of_words) {
-    Program program{main_.has_any({"say", "speak", "talk", "word"}) ? ProgramSource::kWords
-                                                                    : ProgramSource::kPlans,
-                    {},
-                    {}};
-    if (program.source == ProgramSource::kPlans) {
-      add_thing(program);
-      add_places(program);
-    }
-    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
-    add_times(program);
-    return program.then(StepKind::kCount);
-  }
+  if (Found found = how_many_words()) return found;
   // What the robot is able to do, and how many plans it finished, no program counts.
   if (main_.has("skill") && main_.has_words({"do", "you"})) return {};
   if (!is_often && main_.has_any({"task", "job", "plan"}) && !main_.has_verb()) {
@@ -93,22 +119,8 @@ GrammarRules::Found GrammarRules::amounts() {
   if (!is_often && is_of_things && main_.has_any({"handle", "touch", "manipulate"}) &&
       !main_.has_verb())
     return executions().then(StepKind::kHowMany, "thing");
-  if (!is_often && is_of_things && !main_.has_verb() && skills_of(main_).empty()) {
-    Program program{ProgramSource::kThings, {}, {}};
-    add_places(program);
-    if (asks_about_holding()) program.with(FilterKey::kIsHeld, "yes");
-    if (asks_about_sight() && (parts_.times.at || parts_.beside)) {
-      add_moment(program);
-      program.with(FilterKey::kVisible, "yes");
-    } else if (asks_about_sight() && !main_.has("did") &&
-               (main_.has_words({"do", "you"}) || main_.has("can")))
-      program.with(FilterKey::kVisible, "yes");
-    else if (asks_about_sight() && !main_.has("visible"))
-      program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
-    else
-      add_moment(program);
-    return program.then(StepKind::kCount);
-  }
+  if (!is_often && is_of_things && !main_.has_verb() && skills_of(main_).empty())
+    return how_many_things();
   // How many hands there are is not counted.
   if (main_.has_any({"hand", "arm", "gripper"}) && !main_.has_verb() && skills_of(main_).empty())
     return {};
@@ -130,6 +142,38 @@ GrammarRules::Found GrammarRules::amounts() {
   return program.then(StepKind::kCount);
 }
 
+GrammarRules::Found GrammarRules::which_hand() {
+  // No program tells which hand holds nothing.
+  if (main_.has_any({"free", "empty"})) return {};
+  // "Which hand held the salt?": the one that took it.
+  const std::string taking_skills = skills_called({"pick"});
+  if (main_.has_any({"held", "carried", "had"}) && !main_.has_verb() && !thing().empty() &&
+      !parts_.times.at && !parts_.beside && !taking_skills.empty()) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    program.with(FilterKey::kSkill, taking_skills);
+    add_thing(program);
+    add_times(program);
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kWhich, "hand");
+  }
+  const bool is_held =
+      asks_about_holding() || (main_.has("in") && main_.has_any({"is", "was"}) && !thing().empty());
+  if (is_held && !main_.has_verb()) {
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    add_moment(program);
+    if (thing().empty()) program.with(FilterKey::kIsHeld, "yes");
+    return program.then(StepKind::kHolder);
+  }
+  Program program = executions();
+  // "Left or right" names no hand that was used.
+  std::erase_if(program.filters,
+                [](const ProgramFilter& filter) { return filter.key == FilterKey::kHand; });
+  if (asks_about_failure()) program.with(FilterKey::kOutcome, "failure");
+  add_order(program, StepKind::kLast);
+  return program.then(StepKind::kWhich, "hand");
+}
+
 GrammarRules::Found GrammarRules::which() {
   // "Did you pick up the salt or the tea first?"
   const bool is_handled = main_.has_any({"handle", "touch", "manipulate"});
@@ -144,37 +188,7 @@ GrammarRules::Found GrammarRules::which() {
   const bool is_either = (parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing) &&
                          main_.hands.size() > 1 && main_.has("or");
   const bool is_which = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat || is_either;
-  if (asks_for_hand()) {
-    // No program tells which hand holds nothing.
-    if (main_.has_any({"free", "empty"})) return {};
-    // "Which hand held the salt?": the one that took it.
-    const std::string taking_skills = skills_called({"pick"});
-    if (main_.has_any({"held", "carried", "had"}) && !main_.has_verb() && !thing().empty() &&
-        !parts_.times.at && !parts_.beside && !taking_skills.empty()) {
-      Program program{ProgramSource::kExecutions, {}, {}};
-      program.with(FilterKey::kSkill, taking_skills);
-      add_thing(program);
-      add_times(program);
-      add_order(program, StepKind::kLast);
-      return program.then(StepKind::kWhich, "hand");
-    }
-    const bool is_held = asks_about_holding() ||
-                         (main_.has("in") && main_.has_any({"is", "was"}) && !thing().empty());
-    if (is_held && !main_.has_verb()) {
-      Program program{ProgramSource::kThings, {}, {}};
-      add_thing(program);
-      add_moment(program);
-      if (thing().empty()) program.with(FilterKey::kIsHeld, "yes");
-      return program.then(StepKind::kHolder);
-    }
-    Program program = executions();
-    // "Left or right" names no hand that was used.
-    std::erase_if(program.filters,
-                  [](const ProgramFilter& filter) { return filter.key == FilterKey::kHand; });
-    if (asks_about_failure()) program.with(FilterKey::kOutcome, "failure");
-    add_order(program, StepKind::kLast);
-    return program.then(StepKind::kWhich, "hand");
-  }
+  if (asks_for_hand()) return which_hand();
   // "Which object was your action at 8:05 about?"
   if (is_which && parts_.times.at && main_.has_any({"thing", "object", "item"}) &&
       !main_.has_verb() && thing().empty() && main_.places.empty() && !asks_about_sight() &&
@@ -218,36 +232,10 @@ GrammarRules::Found GrammarRules::which() {
   return program.then(StepKind::kWhich, is_place && main_.places.empty() ? "place" : "thing");
 }
 
-/// What was done, what was said, and what went wrong.
-GrammarRules::Found GrammarRules::what() {
-  // "How did the grasp of the salt end?", "What was the result of picking up the salt?"
-  const bool is_of_end = main_.has_any({"outcome", "result", "status"}) ||
-                         (parts_.asks == Asks::kHow && main_.has_any({"end", "go", "turn"}));
-  if (is_of_end && !main_.has_words({"it", "go"}) && (main_.has_verb() || has_order()) &&
-      parts_.asks != Asks::kWhether) {
-    Program program = executions();
-    add_order(program, StepKind::kLast);
-    return program.then(StepKind::kReason);
-  }
-  if (main_.has("skill") && !main_.has_verb() && parts_.asks != Asks::kNothing &&
-      (!is_of_robot() || main_.has("run")) && (parts_.times.at || main_.has("run")))
-    return executions().then(StepKind::kWhich, "skill");
-  if (main_.has("know") && main_.has_any({"thing", "object", "item"}) && !main_.has_verb() &&
-      (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich)) {
-    Program program{ProgramSource::kThings, {}, {}};
-    return program.then(StepKind::kWhich, "thing");
-  }
-  const bool is_narration = main_.has_any({"summarize", "summarise", "summary", "describe",
-                                           "report", "narrate", "recap", "list", "story"}) ||
-                            (parts_.asks == Asks::kNothing && main_.has("about")) ||
-                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be")) ||
-                            (parts_.asks == Asks::kHow && main_.has("go") && main_.has("it"));
-  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
-                       (parts_.asks == Asks::kNothing &&
-                        (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
+/// "How did your day begin?", "What did you start with?"
+GrammarRules::Found GrammarRules::what_at_ends() {
   const bool is_edge =
       parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || parts_.asks == Asks::kHow;
-  // "How did your day begin?", "What did you start with?"
   if (is_edge && main_.has_any({"begin", "start"}) && !main_.has_verb() && thing().empty() &&
       !parts_.times.at && !asks_about_words() && !asks_about_stop() && !asks_about_failure())
     return executions().then(StepKind::kFirst).then(StepKind::kEvents);
@@ -255,14 +243,11 @@ GrammarRules::Found GrammarRules::what() {
       (parts_.asks == Asks::kHow || main_.has("with")) && !parts_.times.at && !asks_about_words() &&
       !asks_about_stop() && !asks_about_failure())
     return executions().then(StepKind::kLast).then(StepKind::kEvents);
-  if (!is_what) return {};
-  if (main_.has("hand") && main_.has("have") && !main_.has_verb()) return {};
-  // "What did you do before?": before what?
-  if (main_.has_any({"before", "next"}) && !parts_.beside && parts_.times.empty() &&
-      !main_.has_verb() && thing().empty() && !asks_about_failure() && !asks_about_stop())
-    return {};
-  // "What does the salt cost?"
-  if (main_.has("does") && !is_of_robot()) return {};
+  return {};
+}
+
+/// What was said, or asked for.
+GrammarRules::Found GrammarRules::what_was_said() {
   const bool is_of_task = main_.has_any({"task", "job"}) && !main_.has_verb() &&
                           (main_.has_any({"have", "get"}) ||
                            (main_.has("your") && main_.has_any({"was", "were"}) &&
@@ -273,42 +258,29 @@ GrammarRules::Found GrammarRules::what() {
   const bool is_of_words = (asks_about_words() || is_of_task) && !main_.has("about") &&
                            !is_of_stopped &&
                            (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich);
-  if (is_of_words) {
-    const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||
-                         (main_.has("tell") && !main_.has_any({"do", "to"}));
-    Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
-    if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
-    if (!is_said) {
-      add_thing(program);
-      add_places(program);
-    }
-    // "What did Ben say when he stopped you?"
-    const bool is_of_stop =
-        is_said && (asks_about_stop() ||
-                    (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"})));
-    if (is_of_stop)
-      program.with(FilterKey::kText, "stop");
-    else
-      add_times(program);
-    if (has_order()) add_order(program, {});
-    return program.then(StepKind::kSaid);
+  if (!is_of_words) return {};
+  const bool is_said = main_.has_any({"say", "speak", "talk", "word", "shout", "utter"}) ||
+                       (main_.has("tell") && !main_.has_any({"do", "to"}));
+  Program program{is_said ? ProgramSource::kWords : ProgramSource::kPlans, {}, {}};
+  if (!main_.persons.empty()) program.with(FilterKey::kSpeaker, any_of_names(main_.persons));
+  if (!is_said) {
+    add_thing(program);
+    add_places(program);
   }
-  if (asks_about_failure() || asks_about_stop()) {
-    Program program = executions();
-    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
-    if (has_order()) add_order(program, {});
-    if (main_.has_any({"altogether", "count"}) && parts_.asks == Asks::kNothing)
-      return program.then(StepKind::kCount);
-    return program.then(StepKind::kEvents);
-  }
-  // "What were you doing when you were stopped?"
-  if (parts_.beside && parts_.beside->link == ClauseLink::kWhile && main_.has("do") &&
-      parts_.beside->parts.has_any({"stop", "interrupt", "fail"}) &&
-      !parts_.beside->parts.has("say")) {
-    Program program = executions_of(parts_.beside->parts);
-    program.with(FilterKey::kOutcome, parts_.beside->parts.has("fail") ? "failure" : "stop");
-    return program.then(StepKind::kLast).then(StepKind::kEvents);
-  }
+  // "What did Ben say when he stopped you?"
+  const bool is_of_stop =
+      is_said &&
+      (asks_about_stop() || (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"})));
+  if (is_of_stop)
+    program.with(FilterKey::kText, "stop");
+  else
+    add_times(program);
+  if (has_order()) add_order(program, {});
+  return program.then(StepKind::kSaid);
+}
+
+/// What was done; `is_narration`: somebody wants to be told about it.
+GrammarRules::Found GrammarRules::what_was_done(bool is_narration) {
   const bool is_of_doing =
       main_.has_words({"go", "well"}) || main_.has_words({"go", "right"}) ||
       (asks_about_success() && thing().empty()) ||
@@ -346,6 +318,62 @@ GrammarRules::Found GrammarRules::what() {
   if (program.find(FilterKey::kPlace) != nullptr && !needs_place) return {};
   if (has_order()) add_order(program, {});
   return program.then(StepKind::kEvents);
+}
+
+/// What was done, what was said, and what went wrong.
+GrammarRules::Found GrammarRules::what() {
+  // "How did the grasp of the salt end?", "What was the result of picking up the salt?"
+  const bool is_of_end = main_.has_any({"outcome", "result", "status"}) ||
+                         (parts_.asks == Asks::kHow && main_.has_any({"end", "go", "turn"}));
+  if (is_of_end && !main_.has_words({"it", "go"}) && (main_.has_verb() || has_order()) &&
+      parts_.asks != Asks::kWhether) {
+    Program program = executions();
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kReason);
+  }
+  if (main_.has("skill") && !main_.has_verb() && parts_.asks != Asks::kNothing &&
+      (!is_of_robot() || main_.has("run")) && (parts_.times.at || main_.has("run")))
+    return executions().then(StepKind::kWhich, "skill");
+  if (main_.has("know") && main_.has_any({"thing", "object", "item"}) && !main_.has_verb() &&
+      (parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich)) {
+    Program program{ProgramSource::kThings, {}, {}};
+    return program.then(StepKind::kWhich, "thing");
+  }
+  const bool is_narration = main_.has_any({"summarize", "summarise", "summary", "describe",
+                                           "report", "narrate", "recap", "list", "story"}) ||
+                            (parts_.asks == Asks::kNothing && main_.has("about")) ||
+                            (parts_.asks == Asks::kHow && main_.has("day") && main_.has("be")) ||
+                            (parts_.asks == Asks::kHow && main_.has("go") && main_.has("it"));
+  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich || is_narration ||
+                       (parts_.asks == Asks::kNothing &&
+                        (asks_about_failure() || main_.has_any({"do", "action", "activity"})));
+  if (Found found = what_at_ends()) return found;
+  if (!is_what) return {};
+  if (main_.has("hand") && main_.has("have") && !main_.has_verb()) return {};
+  // "What did you do before?": before what?
+  if (main_.has_any({"before", "next"}) && !parts_.beside && parts_.times.empty() &&
+      !main_.has_verb() && thing().empty() && !asks_about_failure() && !asks_about_stop())
+    return {};
+  // "What does the salt cost?"
+  if (main_.has("does") && !is_of_robot()) return {};
+  if (Found found = what_was_said()) return found;
+  if (asks_about_failure() || asks_about_stop()) {
+    Program program = executions();
+    program.with(FilterKey::kOutcome, asks_about_failure() ? "failure" : "stop");
+    if (has_order()) add_order(program, {});
+    if (main_.has_any({"altogether", "count"}) && parts_.asks == Asks::kNothing)
+      return program.then(StepKind::kCount);
+    return program.then(StepKind::kEvents);
+  }
+  // "What were you doing when you were stopped?"
+  if (parts_.beside && parts_.beside->link == ClauseLink::kWhile && main_.has("do") &&
+      parts_.beside->parts.has_any({"stop", "interrupt", "fail"}) &&
+      !parts_.beside->parts.has("say")) {
+    Program program = executions_of(parts_.beside->parts);
+    program.with(FilterKey::kOutcome, parts_.beside->parts.has("fail") ? "failure" : "stop");
+    return program.then(StepKind::kLast).then(StepKind::kEvents);
+  }
+  return what_was_done(is_narration);
 }
 
 }  // namespace engram::speech

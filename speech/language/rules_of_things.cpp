@@ -4,6 +4,73 @@
 
 namespace engram::speech {
 
+/// Where a thing was before it was moved: from where it was taken.
+GrammarRules::Found GrammarRules::where_before() {
+  const std::string taking_skills = skills_called({"pick"});
+  // "Where was it before you moved it?"
+  if (!thing().empty() && parts_.beside && parts_.beside->link == ClauseLink::kBefore &&
+      !main_.has_verb() && !asks_about_sight() &&
+      main_.has_any({"be", "been", "stand", "lie", "sit"}) &&
+      parts_.beside->parts.has_any(
+          {"move", "take", "grab", "pick", "grasp", "lift", "get", "touch", "handle"}) &&
+      parts_.times.empty() && !taking_skills.empty()) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    program.with(FilterKey::kSkill, taking_skills);
+    add_thing(program);
+    program.then(parts_.beside->parts.has("first") ? StepKind::kFirst : StepKind::kLast);
+    return program.then(StepKind::kWhere);
+  }
+  // "Where had it been standing before?"
+  if (!thing().empty() && main_.has("before") && main_.has("had") &&
+      main_.has_any({"be", "been", "stand", "lie", "sit"}) && !main_.has_verb() &&
+      parts_.times.empty() && !parts_.beside && !taking_skills.empty()) {
+    Program program{ProgramSource::kExecutions, {}, {}};
+    program.with(FilterKey::kSkill, taking_skills);
+    add_thing(program);
+    return program.then(StepKind::kLast).then(StepKind::kWhere);
+  }
+  return {};
+}
+
+/// "Where has the salt gone?", "Where does the salt come from?"
+GrammarRules::Found GrammarRules::where_gone() {
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  const std::string pick_skills = skills_called({"pick"});
+  if (main_.has("from") && !pick_skills.empty()) {
+    program.source = ProgramSource::kExecutions;
+    program.with(FilterKey::kSkill, pick_skills);
+    return program.then(StepKind::kLast).then(StepKind::kWhere);
+  }
+  // Where it went after it was picked up is where it was placed then.
+  const std::string place_skills = skills_called({"place"});
+  if (parts_.beside && parts_.beside->link == ClauseLink::kAfter && !place_skills.empty()) {
+    program.source = ProgramSource::kExecutions;
+    program.with(FilterKey::kSkill, place_skills);
+    add_times(program);
+    return program.then(StepKind::kFirst).then(StepKind::kWhere);
+  }
+  add_moment(program);
+  return program.then(StepKind::kWhere);
+}
+
+/// Where something was done with these skills.
+GrammarRules::Found GrammarRules::where_done(const std::string& skills) {
+  Program program = executions();
+  const std::string drive_skills = skills_called({"drive"});
+  const bool is_drive = skills == drive_skills;
+  if (main_.has("from") && is_drive && main_.places.empty()) {
+    add_order(program, StepKind::kLast);
+    return program.then(StepKind::kFrom);
+  }
+  const bool is_right_after = parts_.beside && parts_.beside->link == ClauseLink::kAfter;
+  if (is_drive && is_right_after && !has_order())
+    return program.then(StepKind::kFirst).then(StepKind::kWhere);
+  if (is_drive && thing().empty() && !has_order()) return program.then(StepKind::kWhere);
+  add_order(program, StepKind::kLast);
+  return program.then(StepKind::kWhere);
+}
+
 GrammarRules::Found GrammarRules::where() {
   const bool is_noun = main_.has_any({"location", "position", "whereabouts"}) &&
                        (parts_.asks == Asks::kWhat || parts_.asks == Asks::kNothing);
@@ -21,29 +88,7 @@ GrammarRules::Found GrammarRules::where() {
   if (parts_.asks != Asks::kWhere && !is_noun && !is_lost && !is_onto) return {};
   // Where it should have been, and where somebody was oftener, is not where it is.
   if (main_.has_any({"supposed", "meant", "intend", "often"}) && !asks_about_stop()) return {};
-  const std::string taking_skills = skills_called({"pick"});
-  // "Where had it been standing before?": from where it was taken.
-  // Where it was before it was moved is from where it was taken then.
-  if (!thing().empty() && parts_.beside && parts_.beside->link == ClauseLink::kBefore &&
-      !main_.has_verb() && !asks_about_sight() &&
-      main_.has_any({"be", "been", "stand", "lie", "sit"}) &&
-      parts_.beside->parts.has_any(
-          {"move", "take", "grab", "pick", "grasp", "lift", "get", "touch", "handle"}) &&
-      parts_.times.empty() && !taking_skills.empty()) {
-    Program program{ProgramSource::kExecutions, {}, {}};
-    program.with(FilterKey::kSkill, taking_skills);
-    add_thing(program);
-    program.then(parts_.beside->parts.has("first") ? StepKind::kFirst : StepKind::kLast);
-    return program.then(StepKind::kWhere);
-  }
-  if (!thing().empty() && main_.has("before") && main_.has("had") &&
-      main_.has_any({"be", "been", "stand", "lie", "sit"}) && !main_.has_verb() &&
-      parts_.times.empty() && !parts_.beside && !taking_skills.empty()) {
-    Program program{ProgramSource::kExecutions, {}, {}};
-    program.with(FilterKey::kSkill, taking_skills);
-    add_thing(program);
-    return program.then(StepKind::kLast).then(StepKind::kWhere);
-  }
+  if (Found found = where_before()) return found;
   if (is_lost) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);
@@ -65,43 +110,10 @@ GrammarRules::Found GrammarRules::where() {
     add_order(program, StepKind::kLast);
     return program.then(StepKind::kWhere);
   }
-  // "Where has the salt gone?", "Where does the salt come from?"
   const std::string going_skills = skills_called({"drive"});
-  if (!thing().empty() && !is_of_robot() && !skills.empty() && skills == going_skills) {
-    Program program{ProgramSource::kThings, {}, {}};
-    add_thing(program);
-    const std::string pick_skills = skills_called({"pick"});
-    if (main_.has("from") && !pick_skills.empty()) {
-      program.source = ProgramSource::kExecutions;
-      program.with(FilterKey::kSkill, pick_skills);
-      return program.then(StepKind::kLast).then(StepKind::kWhere);
-    }
-    // Where it went after it was picked up is where it was placed then.
-    const std::string place_skills = skills_called({"place"});
-    if (parts_.beside && parts_.beside->link == ClauseLink::kAfter && !place_skills.empty()) {
-      program.source = ProgramSource::kExecutions;
-      program.with(FilterKey::kSkill, place_skills);
-      add_times(program);
-      return program.then(StepKind::kFirst).then(StepKind::kWhere);
-    }
-    add_moment(program);
-    return program.then(StepKind::kWhere);
-  }
-  if (!skills.empty()) {
-    Program program = executions();
-    const std::string drive_skills = skills_called({"drive"});
-    const bool is_drive = !skills.empty() && skills == drive_skills;
-    if (main_.has("from") && is_drive && main_.places.empty()) {
-      add_order(program, StepKind::kLast);
-      return program.then(StepKind::kFrom);
-    }
-    const bool is_right_after = parts_.beside && parts_.beside->link == ClauseLink::kAfter;
-    if (is_drive && is_right_after && !has_order())
-      return program.then(StepKind::kFirst).then(StepKind::kWhere);
-    if (is_drive && thing().empty() && !has_order()) return program.then(StepKind::kWhere);
-    add_order(program, StepKind::kLast);
-    return program.then(StepKind::kWhere);
-  }
+  if (!thing().empty() && !is_of_robot() && !skills.empty() && skills == going_skills)
+    return where_gone();
+  if (!skills.empty()) return where_done(skills);
   if (!thing().empty()) {
     Program program{ProgramSource::kThings, {}, {}};
     add_thing(program);

@@ -245,6 +245,47 @@ GrammarRules::Found GrammarRules::whether_asked() {
   return program.then(StepKind::kExists);
 }
 
+/// Whether a thing, or anything, is or was held; `is_of_empty_hand`: whether nothing is.
+GrammarRules::Found GrammarRules::whether_held(bool is_of_empty_hand) {
+  // "Have you had the salt in your hand today?" is of all that time: what was held was picked up.
+  const bool is_past = !parts_.times.at && !parts_.beside && !parts_.times.is_now &&
+                       (main_.has("did") || main_.has_words({"have", "you"}));
+  const std::string taking_skills = skills_called({"pick"});
+  if (asks_about_holding() && is_past && !thing().empty() && !taking_skills.empty()) {
+    Program program = executions();
+    program.with(FilterKey::kSkill, taking_skills);
+    return program.with(FilterKey::kOutcome, "success").then(StepKind::kExists);
+  }
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());
+  program.with(FilterKey::kIsHeld, "yes");
+  add_moment(program);
+  return program.then(is_of_empty_hand ? StepKind::kNone : StepKind::kExists);
+}
+
+/// Whether a thing is or was in sight, or anything was: `is_anything`.
+GrammarRules::Found GrammarRules::whether_seen(bool is_anything) {
+  if (thing().empty() && !is_anything) return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  const bool was_asked = main_.has_any({"was", "were", "been", "did", "ever"});
+  const bool is_present =
+      is_of_present() || (!was_asked && main_.has_any({"visible", "sight", "can"}));
+  if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
+    add_moment(program);
+    return program.then(StepKind::kIsVisible);
+  }
+  // Who asks whether it was seen anywhere is looking for it.
+  if (main_.has_any({"somewhere", "anywhere"}) && !thing().empty()) {
+    add_sight_times(program);
+    return program.then(StepKind::kLastSeen).then(StepKind::kWhere);
+  }
+  add_places(program);
+  program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
+  return program.then(StepKind::kExists);
+}
+
 /// Whether a thing is somewhere, in sight or in a hand.
 GrammarRules::Found GrammarRules::whether_of_thing() {
   const bool is_anything = main_.has_any(
@@ -262,43 +303,8 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
   if (main_.has_verb() && !skills_of(main_).empty()) return {};
   const bool is_of_empty_hand =
       main_.has_any({"hand", "hands", "gripper"}) && main_.has_any({"empty", "free"});
-  // "Have you had the salt in your hand today?" is of all that time: what was held was picked up.
-  const bool is_past = !parts_.times.at && !parts_.beside && !parts_.times.is_now &&
-                       (main_.has("did") || main_.has_words({"have", "you"}));
-  const std::string taking_skills = skills_called({"pick"});
-  if (asks_about_holding() && is_past && !thing().empty() && !taking_skills.empty()) {
-    Program program = executions();
-    program.with(FilterKey::kSkill, taking_skills);
-    return program.with(FilterKey::kOutcome, "success").then(StepKind::kExists);
-  }
-  if (asks_about_holding() || is_of_empty_hand) {
-    Program program{ProgramSource::kThings, {}, {}};
-    add_thing(program);
-    if (!main_.hands.empty()) program.with(FilterKey::kHand, main_.hands.front());
-    program.with(FilterKey::kIsHeld, "yes");
-    add_moment(program);
-    return program.then(is_of_empty_hand ? StepKind::kNone : StepKind::kExists);
-  }
-  if (asks_about_sight()) {
-    if (thing().empty() && !is_anything) return {};
-    Program program{ProgramSource::kThings, {}, {}};
-    add_thing(program);
-    const bool was_asked = main_.has_any({"was", "were", "been", "did", "ever"});
-    const bool is_present =
-        is_of_present() || (!was_asked && main_.has_any({"visible", "sight", "can"}));
-    if (parts_.times.at || parts_.beside || (is_present && !parts_.times.during)) {
-      add_moment(program);
-      return program.then(StepKind::kIsVisible);
-    }
-    // Who asks whether it was seen anywhere is looking for it.
-    if (main_.has_any({"somewhere", "anywhere"}) && !thing().empty()) {
-      add_sight_times(program);
-      return program.then(StepKind::kLastSeen).then(StepKind::kWhere);
-    }
-    add_places(program);
-    program.with(FilterKey::kDuring, parts_.times.during.value_or("always"));
-    return program.then(StepKind::kExists);
-  }
+  if (asks_about_holding() || is_of_empty_hand) return whether_held(is_of_empty_hand);
+  if (asks_about_sight()) return whether_seen(is_anything);
   const bool is_of_thing = !thing().empty() || is_anything;
   const bool is_there =
       main_.has_any({"be", "stand", "lie", "there", "sit", "have", "rest"}) || main_.has("on");
