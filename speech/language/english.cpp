@@ -109,6 +109,16 @@ bool is_question_word(std::string_view word) {
   return is_any(word, {"who", "whom", "whose", "what", "which", "where", "when", "why", "how"});
 }
 
+bool is_auxiliary(std::string_view word) {
+  return is_any(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "am",
+                       "can", "could", "would", "will", "should"});
+}
+
+bool is_article(std::string_view word) {
+  return is_any(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
+                       "this", "that", "these", "those", "another"});
+}
+
 const std::set<std::string>& english_spellings() {
   static const std::set<std::string> kSpellings = [] {
     std::set<std::string> spellings;

@@ -21,6 +21,12 @@ namespace engram::speech {
 /// Whether a word asks for something: "who", "what", "how".
 [[nodiscard]] bool is_question_word(std::string_view word);
 
+/// Whether a word begins what asks whether: "did", "have", "could".
+[[nodiscard]] bool is_auxiliary(std::string_view word);
+
+/// Whether a word stands before a name: "the", "my", "some".
+[[nodiscard]] bool is_article(std::string_view word);
+
 /// All spellings of the words above, for whoever mistypes one.
 [[nodiscard]] const std::set<std::string>& english_spellings();
 

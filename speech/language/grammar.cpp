@@ -28,11 +28,6 @@ struct StrangeName {
   FilterKey key{};
 };
 
-bool is_article(const std::string& word) {
-  return is_any(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
-                       "this", "that", "these", "those", "another"});
-}
-
 bool is_for_place(const std::string& word) {
   return is_any(word, {"in", "on", "at", "to", "into", "onto", "from", "near", "inside", "beside",
                        "behind", "under", "towards", "toward"});
@@ -192,11 +187,11 @@ bool is_statement(const QuestionParts& parts) {
   if (parts.asks != Asks::kWhether || parts.main.has("i")) return false;
   // "Robot, did you take it.", "The milk, is it on the table."
   for (size_t at = 1; at < words.size(); ++at)
-    if (words[at - 1].ends_clause && is_auxiliary(words[at])) return false;
+    if (words[at - 1].ends_clause && is_auxiliary(words[at].text)) return false;
   // "So you took it." wants to be told whether.
   if (is_any(words.front().text, {"so", "and"})) return false;
-  const TaggedWord& first = words[begin_of_asking(words)];
-  return !is_auxiliary(first) && !is_any(first.text, {"whether", "if", "any", "anything", "ever"});
+  const std::string& first = words[begin_of_asking(words)].text;
+  return !is_auxiliary(first) && !is_any(first, {"whether", "if", "any", "anything", "ever"});
 }
 
 constexpr const char* kCannotRead =

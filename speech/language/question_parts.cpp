@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "speech/language/english.h"
+
 namespace engram::speech {
 
 namespace {
@@ -47,7 +49,7 @@ size_t end_of_clause(const TaggedWords& words, size_t begin) {
   for (size_t at = begin; at < words.size(); ++at) {
     if (words[at].ends_clause) return at + 1;
     // "when you could not lift the salt did you repeat it": whoever leaves out the comma.
-    if (begin == 1 && at > begin + 1 && is_auxiliary(words[at]) && at + 1 < words.size() &&
+    if (begin == 1 && at > begin + 1 && is_auxiliary(words[at].text) && at + 1 < words.size() &&
         is_word(words[at + 1], {"you", "it", "the", "there"}) &&
         !is_word(words[at - 1], {"you", "that", "which"}))
       return at;
@@ -104,7 +106,7 @@ std::optional<SubordinateClause> take_clause(TaggedWords& words) {
     const bool is_when = is_word(words[at], {"when"});
     const size_t end = end_of_clause(words, at + 1);
     // "When did you ..." asks, and so does "when you ..." where nothing else does.
-    if (is_when && at + 1 < words.size() && is_auxiliary(words[at + 1])) continue;
+    if (is_when && at + 1 < words.size() && is_auxiliary(words[at + 1].text)) continue;
     if (is_when && at == 0 && end == words.size()) continue;
     if (is_when && at > 0 && is_word(words[at - 1], {"and", "or"})) continue;
     if (!has_event(words, at + 1, end)) continue;
@@ -181,7 +183,9 @@ Asks asked_by_names(const TaggedWords& words) {
            word.text == "visible";
   });
   const bool has_place = has_tag(words, {WordTag::kPlace});
-  if (std::any_of(words.begin(), words.end(), is_auxiliary)) return Asks::kNothing;
+  if (std::any_of(words.begin(), words.end(),
+                  [](const TaggedWord& word) { return is_auxiliary(word.text); }))
+    return Asks::kNothing;
   // "Last command received?"
   if (has_word(words, {"command", "order", "request", "instruction", "task"}) &&
       has_word(words, {"first", "last", "latest"}))
@@ -203,7 +207,7 @@ bool asks_whether(const TaggedWords& words, bool is_indirect) {
       (words.front().tag == WordTag::kVerb || words.front().lemma == "see"))
     return true;
   for (size_t at = 0; at < words.size(); ++at)
-    if (is_auxiliary(words[at]) && (words[at].begins_sentence || at < 4)) return true;
+    if (is_auxiliary(words[at].text) && (words[at].begins_sentence || at < 4)) return true;
   // "You picked up the salt?"
   return has_word(words, {"you"}) && has_tag(words, {WordTag::kVerb, WordTag::kSkill});
 }
@@ -213,7 +217,7 @@ Asks asked_for(const TaggedWords& words, bool is_indirect) {
   // "Was it the right hand with which you ..." asks whether.
   const size_t begin = begin_of_asking(words);
   if (is_word(words[begin], {"whether"})) return Asks::kWhether;
-  const bool is_first = is_auxiliary(words[begin]);
+  const bool is_first = is_auxiliary(words[begin].text);
   if (is_first)
     if (const Asks behind = asked_behind_auxiliary(words, begin); behind != Asks::kNothing)
       return behind;
@@ -261,11 +265,11 @@ std::vector<TaggedWords> sentences_of(const TaggedWords& words) {
 size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
   const auto begins_asking = [](const TaggedWords& words) {
     for (size_t at = 0; at < std::min<size_t>(2, words.size()); ++at)
-      if (is_auxiliary(words[at]) || asked_by(words, at) != Asks::kNothing) return true;
+      if (is_auxiliary(words[at].text) || asked_by(words, at) != Asks::kNothing) return true;
     // "The salt, I mean, where is it?"
     for (size_t at = 2; at + 1 < words.size(); ++at)
       if (words[at - 1].ends_clause && asked_by(words, at) != Asks::kNothing &&
-          is_auxiliary(words[at + 1]))
+          is_auxiliary(words[at + 1].text))
         return true;
     return false;
   };
@@ -290,11 +294,6 @@ size_t asking_sentence(const std::vector<TaggedWords>& sentences) {
 }
 
 }  // namespace
-
-bool is_auxiliary(const TaggedWord& word) {
-  return is_word(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "am",
-                        "can", "could", "would", "will", "should"});
-}
 
 size_t begin_of_asking(const std::vector<TaggedWord>& words) {
   size_t begin = 0;

@@ -80,9 +80,6 @@ struct QuestionParts {
   QuestionParts(Asks asked, ClauseParts clause) : asks(asked), main(std::move(clause)) {}
 };
 
-/// Whether a word begins what asks whether: "did", "have", "could".
-[[nodiscard]] bool is_auxiliary(const TaggedWord& word);
-
 /// Where a clause begins behind words such as "so" and "well", which ask nothing. The last word
 /// counts, whatever it is. The clause must not be empty.
 [[nodiscard]] size_t begin_of_asking(const std::vector<TaggedWord>& words);

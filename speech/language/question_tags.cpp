@@ -41,11 +41,6 @@ constexpr std::string_view kEndearments[] = {
     "pretty? please",
 };
 
-bool begins_whether(const std::string& word) {
-  return is_any(word, {"did", "do", "does", "have", "has", "had", "is", "are", "was", "were", "can",
-                       "could", "would", "whether", "will"});
-}
-
 /// Puts "whether" before the last sentence unless it asks already. Whoever says no verb means that
 /// something is so: "coffee in the gripper".
 void ask_whether(std::vector<QuestionWord>& words) {
@@ -53,7 +48,7 @@ void ask_whether(std::vector<QuestionWord>& words) {
   while (begin > 0 && !words[begin].begins_sentence) --begin;
   for (size_t at = begin; at < words.size(); ++at)
     if (is_question_word(words[at].text) && (at == begin || words[at - 1].ends_clause)) return;
-  if (begins_whether(words[begin].text)) return;
+  if (is_auxiliary(words[begin].text) || words[begin].text == "whether") return;
   put_whether(words, begin);
 }
 

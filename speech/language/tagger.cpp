@@ -20,8 +20,7 @@ constexpr size_t kMaxCorrections = 12;
 constexpr size_t kMinCorrected = 5;
 
 bool is_determiner(const std::string& word) {
-  return is_any(word, {"the", "a", "an", "my", "your", "our", "his", "her", "their", "any", "some",
-                       "this", "that", "these", "those", "another", "no", "every"});
+  return is_article(word) || is_any(word, {"no", "every"});
 }
 
 bool is_preposition(const std::string& word) {
