@@ -13,7 +13,7 @@ constexpr std::string_view kTags[] = {
     "it|you|they|he|she|there|that|this|i|we",
     "right|correct|true|yes|no|eh|huh|ok|okay|innit|really",
     "am i right|correct|wrong|mistaken?",
-    "is|was that|this|it so|right|correct|true|really|the case",
+    "is|was that|this|it so|right|correct|true|really",
     "is that the case",
     "true or false",
     "yes or no",
