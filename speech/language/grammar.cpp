@@ -180,18 +180,57 @@ std::optional<StrangeName> strange_name_told(const QuestionParts& parts) {
   return {};
 }
 
-/// "The milk is on the table.", "What a mess!": whoever says so asks nothing.
+/// "Count the things on the table.", "You drove there; explain it.", "She asks if you drove."
+bool asks_to_be_told(const std::vector<TaggedWord>& words) {
+  for (size_t at = 0; at < words.size(); ++at) {
+    const bool begins = at == 0 || words[at].begins_sentence || words[at - 1].ends_clause ||
+                        is_any(words[at - 1].text, {"kindly", "please", "just", "and"});
+    if (begins &&
+        is_any(words[at].text,
+               {"tell",      "say",       "name",     "list",     "enumerate", "count",
+                "tally",     "tot",       "add",      "give",     "show",      "state",
+                "report",    "describe",  "explain",  "justify",  "specify",   "determine",
+                "calculate", "compute",   "estimate", "indicate", "recall",    "remember",
+                "summarise", "summarize", "recap",    "confirm",  "check"}))
+      return true;
+    if (is_any(words[at].text, {"if", "whether"})) return true;
+  }
+  return false;
+}
+
+/// "The milk, is it on the table."
+bool asks_within(const std::vector<TaggedWord>& words) {
+  for (size_t at = 1; at < words.size(); ++at)
+    if (words[at - 1].ends_clause && is_auxiliary(words[at].text)) return true;
+  return false;
+}
+
+/// "What a mess!"
+bool is_exclamation(const std::vector<TaggedWord>& words) {
+  return words.size() > 1 && words[0].text == "what" && words[1].text == "a";
+}
+
+/// "The milk is on the table.": what would ask whether it is so, if it did not end as it does.
 bool is_statement(const QuestionParts& parts) {
   const auto& words = parts.main.words;
-  if (words.front().text == "what" && words.size() > 1 && words[1].text == "a") return true;
+  if (is_exclamation(words)) return true;
   if (parts.asks != Asks::kWhether || parts.main.has("i")) return false;
-  // "Robot, did you take it.", "The milk, is it on the table."
-  for (size_t at = 1; at < words.size(); ++at)
-    if (words[at - 1].ends_clause && is_auxiliary(words[at].text)) return false;
   // "So you took it." wants to be told whether.
   if (is_any(words.front().text, {"so", "and"})) return false;
+  // "Robot, did you take it."
   const std::string& first = words[begin_of_asking(words)].text;
   return !is_auxiliary(first) && !is_any(first, {"whether", "if", "any", "anything", "ever"});
+}
+
+/// Whether a statement says that something is so and has nothing in it that may ask.
+bool asks_nothing(const QuestionParts& parts) {
+  const auto& words = parts.main.words;
+  if (is_exclamation(words)) return true;
+  const auto is_verb = [](const TaggedWord& word) {
+    return word.tag == WordTag::kVerb || word.tag == WordTag::kSkill || is_auxiliary(word.text);
+  };
+  return std::any_of(words.begin(), words.end(), is_verb) && !asks_within(words) &&
+         !asks_to_be_told(words) && !asks_to_be_told(parts.told);
 }
 
 constexpr const char* kCannotRead =
@@ -229,7 +268,8 @@ ParsedQuestion parse_question(const QuestionInWords& question, const Lexicon& le
     return refused("I am sorry, I can tell what was and what is, but not what will be.");
   if (question.is_order || is_request(parts))
     return refused("I am sorry, I answer questions here, and I cannot be asked to do something.");
-  if (question.is_stated && !question.is_indirect && is_statement(parts))
+  const bool is_stated = question.is_stated && !question.is_indirect && is_statement(parts);
+  if (is_stated && asks_nothing(parts))
     return refused("I am sorry, I answer questions, and I find none in that.");
 
   double confidence = kConfidence;
@@ -247,6 +287,9 @@ ParsedQuestion parse_question(const QuestionInWords& question, const Lexicon& le
   }
   if (const auto strange = strange_name_told(parts))
     return {program_of(*strange), {}, confidence / 2, false};
+  // What somebody wants to be told here is more than whether it is so.
+  const bool is_asked = asks_within(parts.main.words) && !asks_to_be_told(parts.told);
+  if (is_stated && !is_asked) return unread_question();
   const size_t max_passed_over = parts.asks == Asks::kWhether ? 0 : kMaxPassedOver;
   if (passed_over > max_passed_over) return unread_question();
   auto program = GrammarRules(parts, lexicon).program();

@@ -68,6 +68,17 @@ TEST_F(GrammarOfKitchen, KnowsWhatIsNoQuestionOfAMemory) {
   }
   EXPECT_TRUE(parsed("You picked up the salt?").program);
   EXPECT_TRUE(parsed("Well, did you pick up the salt.").program);
+  EXPECT_TRUE(parsed("The salt, is it on the table.").program);
+  // Whoever wants to be told asks, and more than whether it is so.
+  for (const char* text :
+       {"Tally the times you properly grabbed something.", "Count the things on the table.",
+        "You picked up the salt; justify it.", "Object inventory, table.",
+        "Mummy wants to know if you picked up the salt.",
+        "You did put the salt down, did you not? Tell the court on what."}) {
+    const ParsedQuestion told = parsed(text);
+    EXPECT_FALSE(told.program && told.program->has_step(StepKind::kExists)) << text;
+    EXPECT_TRUE(told.program || told.is_unread) << text;
+  }
 }
 
 TEST_F(GrammarOfKitchen, IsLessSureOfWhatItCorrects) {
