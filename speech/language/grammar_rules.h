@@ -47,6 +47,7 @@ class GrammarRules {
   Found instead();
   /// Whether the sentences before the question tell of one of these.
   [[nodiscard]] bool context_has(std::initializer_list<std::string_view> lemmas) const;
+  [[nodiscard]] bool context_tells_stop() const;
 
   // Who, why and when (rules_of_events.cpp).
   Found who();

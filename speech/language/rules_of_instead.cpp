@@ -76,6 +76,10 @@ bool GrammarRules::context_has(std::initializer_list<std::string_view> lemmas) c
   });
 }
 
+bool GrammarRules::context_tells_stop() const {
+  return context_has({"stop", "interrupt", "halt"});
+}
+
 /// "Where would the salt be without the stop?", "What were you going to do when it failed?"
 GrammarRules::Found GrammarRules::unfinished() {
   const bool is_of_plan = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich ||
@@ -87,7 +91,7 @@ GrammarRules::Found GrammarRules::unfinished() {
   const bool is_condition = cut_off != CutOff::kNone;
   if (!is_condition && parts_.beside && parts_.beside->link != ClauseLink::kAfter)
     cut_off = cut_off_of(parts_.beside->parts);
-  if (cut_off == CutOff::kNone && context_has({"stop", "interrupt", "halt"}))
+  if (cut_off == CutOff::kNone && context_tells_stop())
     cut_off = CutOff::kStop;
   else if (cut_off == CutOff::kNone && context_has({"fail", "wrong", "could", "miss", "pretend"}))
     cut_off = CutOff::kFailure;
@@ -115,14 +119,15 @@ GrammarRules::Found GrammarRules::unfinished() {
 /// "What would you have done if nobody had said stop?"
 GrammarRules::Found GrammarRules::instead() {
   // "Suppose nobody had said stop. What was left to do?"
-  const bool is_context_stop = context_has({"stop", "interrupt", "halt"});
+  const auto clause_has = [this](std::initializer_list<std::string_view> lemmas) {
+    return parts_.beside && parts_.beside->parts.has_any(lemmas);
+  };
   const bool is_context_failure = context_has({"fail", "wrong"});
   const bool is_what_if = main_.has_words({"what", "if"});
   const bool is_kept = parts_.asks == Asks::kWhat && main_.has_words({"keep", "you", "from"});
-  const bool is_cut_off =
-      is_context_stop || is_context_failure || asks_about_stop() ||
-      (asks_about_failure() && main_.has("after")) ||
-      (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt", "halt", "fail"}));
+  const bool is_cut_off = context_tells_stop() || is_context_failure || asks_about_stop() ||
+                          (asks_about_failure() && main_.has("after")) ||
+                          clause_has({"stop", "interrupt", "halt", "fail"});
   const bool is_would =
       main_.has("would") && (main_.has("have") || (main_.has("if") && is_cut_off));
   const bool is_instead = main_.has_any({"otherwise", "unless"}) || is_what_if || is_kept ||
@@ -142,13 +147,12 @@ GrammarRules::Found GrammarRules::instead() {
   add_thing(program);
   if (is_what_if && !skills_of(main_).empty()) program.with(FilterKey::kSkill, skills_of(main_));
   if (!parts_.beside) add_times(program);
-  const bool is_stop = is_context_stop || is_kept || asks_about_stop() ||
-                       (parts_.beside && parts_.beside->parts.has_any({"stop", "interrupt"}));
-  const bool is_failure = asks_about_failure() || is_context_failure ||
-                          (is_what_if && main_.has_words({"go", "fine"})) ||
-                          (is_what_if && main_.has_words({"go", "well"})) || main_.has("manage") ||
-                          (parts_.beside && parts_.beside->parts.has("fail")) ||
-                          main_.has_any({"fall", "lose", "succeed", "drop", "work"});
+  const bool is_stop =
+      context_tells_stop() || is_kept || asks_about_stop() || clause_has({"stop", "interrupt"});
+  const bool is_failure =
+      asks_about_failure() || is_context_failure ||
+      (is_what_if && (main_.has_words({"go", "fine"}) || main_.has_words({"go", "well"}))) ||
+      clause_has({"fail"}) || main_.has_any({"manage", "fall", "lose", "succeed", "drop", "work"});
   // What would be in a world that is otherwise no plan tells.
   const bool is_supposed = is_what_if || main_.has("if");
   if (is_supposed && !is_stop && !is_failure && !main_.has("say") && !parts_.beside) return {};
