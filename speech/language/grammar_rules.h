@@ -37,7 +37,6 @@ class GrammarRules {
   [[nodiscard]] bool says_all(const Program& program) const;
   [[nodiscard]] bool names_are_said(const Program& program) const;
   [[nodiscard]] bool is_of_who_is_asked(const Program& program) const;
-  [[nodiscard]] bool clause_is_said(const Program& program) const;
   [[nodiscard]] bool bounds_are_said(const Program& program) const;
   [[nodiscard]] bool endings_are_said(const Program& program) const;
   [[nodiscard]] bool verbs_are_said(const Program& program) const;

@@ -186,20 +186,6 @@ bool GrammarRules::is_of_who_is_asked(const Program& program) const {
   return true;
 }
 
-/// A clause of time that the program does not have would be passed over: "while you were away".
-bool GrammarRules::clause_is_said(const Program& program) const {
-  if (!parts_.beside) return true;
-  const auto is_program = [](const auto& part) { return part.value.program != nullptr; };
-  if (std::any_of(program.filters.begin(), program.filters.end(), is_program)) return true;
-  const bool is_cut_off = parts_.beside->parts.has_any(
-      {"stop", "interrupt", "halt", "abort", "fail", "wrong", "not", "unable", "miss"});
-  return (is_cut_off && has_filter(program, FilterKey::kOutcome)) ||
-         has_filter(program, FilterKey::kText) ||
-         has_program_step(program,
-                          {StepKind::kNext, StepKind::kPrevious, StepKind::kRetried, StepKind::kAgo,
-                           StepKind::kMoreThan, StepKind::kLessThan, StepKind::kReason});
-}
-
 bool GrammarRules::bounds_are_said(const Program& program) const {
   const bool is_cut_off = asks_about_failure() || asks_about_stop();
   const bool is_whether = parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing;
