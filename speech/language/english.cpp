@@ -33,7 +33,8 @@ constexpr std::string_view kGrammarLemmas =
     "quickest slowest fastest compare same both either still except besides behind summer winter "
     "spring autumn year month already yet away word sentence instruction come travel arrive reach "
     "stay located sit lie lay possess current empty full change receive continue achievement "
-    "success destination called each detect appear closer nearer average newest event behalf";
+    "success destination called each detect appear closer nearer average newest oldest event "
+    "behalf";
 
 constexpr std::string_view kFillers =
     "a an the my your our his her their its i me we us mine yours ours please kindly thanks thank "

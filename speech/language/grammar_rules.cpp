@@ -239,11 +239,11 @@ void GrammarRules::add_moment(Program& program) const {
 
 bool GrammarRules::has_order() const {
   return main_.has_any({"first", "last", "latest", "final", "recent", "initial", "earliest",
-                        "previous", "second", "third", "newest"});
+                        "oldest", "previous", "second", "third", "newest"});
 }
 
 void GrammarRules::add_order(Program& program, std::optional<StepKind> otherwise) const {
-  if (main_.has_any({"first", "initial", "earliest"}))
+  if (main_.has_any({"first", "initial", "earliest", "oldest"}))
     program.then(StepKind::kFirst);
   else if (main_.has_any({"last", "latest", "final", "recent", "previous", "newest"}))
     program.then(StepKind::kLast);

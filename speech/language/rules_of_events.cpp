@@ -116,7 +116,7 @@ GrammarRules::Found GrammarRules::when() {
     add_thing(program);
     add_sight_times(program);
     program.then((is_appearing && !main_.has("last")) ||
-                         main_.has_any({"first", "initial", "earliest"})
+                         main_.has_any({"first", "initial", "earliest", "oldest"})
                      ? StepKind::kFirstSeen
                      : StepKind::kLastSeen);
     return program.then(step);

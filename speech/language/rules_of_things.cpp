@@ -100,8 +100,8 @@ GrammarRules::Found GrammarRules::where() {
     add_thing(program);
     if (is_mine) return program.then(StepKind::kWhere);
     add_sight_times(program);
-    program.then(main_.has_any({"first", "initial", "earliest"}) ? StepKind::kFirstSeen
-                                                                 : StepKind::kLastSeen);
+    program.then(main_.has_any({"first", "initial", "earliest", "oldest"}) ? StepKind::kFirstSeen
+                                                                           : StepKind::kLastSeen);
     return program.then(StepKind::kWhere);
   }
   if (asks_about_failure() || asks_about_stop()) {

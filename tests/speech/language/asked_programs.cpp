@@ -405,7 +405,7 @@ const std::vector<AskedProgram>& asked_programs() {
         "What did we keep you from doing?", "Had nobody stopped you, what would you have done?"}},
       {"executions outcome=failure | last | instead",
        {"It failed, sadly. What was supposed to follow?"}},
-      {"executions | first | events", {"What was the first event?"}},
+      {"executions | first | events", {"What was the first event?", "What was the oldest event?"}},
       {"executions skill=pick outcome=success | last | which=thing",
        {"What was your newest grasp?"}},
       {"executions skill=pick thing=salt | who", {"On behalf of whom did you pick up the salt?"}},
