@@ -118,16 +118,16 @@ Status FactsReader::look_at(const ltm::MemoryId& segment, const ltm::MemoryId& e
 
 Status FactsReader::read_world() {
   world_ = {};
-  std::map<ltm::MemoryId, std::string> spoken;
-  ENGRAM_RETURN_IF_ERROR(read_classes(spoken));
-  ENGRAM_RETURN_IF_ERROR(read_things(spoken));
+  std::map<ltm::MemoryId, KnownThing> classes;
+  ENGRAM_RETURN_IF_ERROR(read_classes(classes));
+  ENGRAM_RETURN_IF_ERROR(read_things(classes));
   ENGRAM_RETURN_IF_ERROR(read_places());
   is_world_read_ = true;
   return {};
 }
 
 /// What kinds of things are called. A kind of which nothing was seen is known by its name, too.
-Status FactsReader::read_classes(std::map<ltm::MemoryId, std::string>& spoken) {
+Status FactsReader::read_classes(std::map<ltm::MemoryId, KnownThing>& classes) {
   for (const auto& [id, segment] : segments_) {
     if (segment.kind != FactKind::kThingClass) continue;
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found, query(id, ltm::select::Latest{}));
@@ -141,14 +141,14 @@ Status FactsReader::read_classes(std::map<ltm::MemoryId, std::string>& spoken) {
       add_name(thing.names, thing.spoken);
       add_name(thing.names, words_of_name(text_in(value, "name")));
       add_name(thing.names, words_of_name(entity->id.names().back()));
-      spoken[entity->id] = thing.spoken;
+      classes[entity->id] = thing;
       world_.add_thing(std::move(thing));
     }
   }
   return {};
 }
 
-Status FactsReader::read_things(const std::map<ltm::MemoryId, std::string>& spoken) {
+Status FactsReader::read_things(const std::map<ltm::MemoryId, KnownThing>& classes) {
   for (const ltm::MemoryId& segment : thing_segments_) {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult found, query(segment, ltm::select::Latest{}));
     for (const ltm::EntityResult* entity : found.entities()) {
@@ -158,10 +158,12 @@ Status FactsReader::read_things(const std::map<ltm::MemoryId, std::string>& spok
       thing.entity = entity->id;
       thing.evidence = entity->id.at(snapshot.time).instance(0);
       const auto of_class = link_in(snapshot.instances.front().data, "object_class");
-      const auto named = of_class ? spoken.find(of_class->entity()) : spoken.end();
+      const auto named = of_class ? classes.find(of_class->entity()) : classes.end();
       thing.spoken =
-          named == spoken.end() ? words_of_name(entity->id.names().back()) : named->second;
+          named == classes.end() ? words_of_name(entity->id.names().back()) : named->second.spoken;
       add_name(thing.names, thing.spoken);
+      if (named != classes.end())
+        for (const std::string& name : named->second.names) add_name(thing.names, name);
       if (of_class) add_name(thing.names, words_of_name(of_class->names().back()));
       add_name(thing.names, words_of_name(entity->id.names().back()));
       world_.add_thing(std::move(thing));

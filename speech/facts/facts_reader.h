@@ -55,8 +55,8 @@ class FactsReader {
   Status find_segments();
   Status look_at(const ltm::MemoryId& segment, const ltm::MemoryId& entity, Segment& found);
   Status read_world();
-  Status read_classes(std::map<ltm::MemoryId, std::string>& spoken);
-  Status read_things(const std::map<ltm::MemoryId, std::string>& spoken);
+  Status read_classes(std::map<ltm::MemoryId, KnownThing>& classes);
+  Status read_things(const std::map<ltm::MemoryId, KnownThing>& classes);
   Status read_places();
   Status read_segment(const ltm::MemoryId& id, Segment& segment);
   Status read_below(const ltm::MemoryId& prefix, Time from, Time to, FactKind kind);

@@ -13,6 +13,8 @@ namespace engram::speech {
 namespace {
 
 constexpr int64_t kStageEnded = 2;
+/// Of more, nobody looks at the rest.
+constexpr size_t kMaxReadFrom = 16;
 
 /// A hand may be named, or be an entity of its own.
 std::string hand_named(const std::string& text) {
@@ -125,6 +127,11 @@ void ExecutionTable::add(const ltm::MemoryId& id, const idf::Data& value, const 
   read_about(value, world, execution);
   set_if_missing(execution.request, link_in(value, "request"));
   set_if_missing(execution.plan, link_in(value, "plan"));
+  for (ltm::MemoryId& link : links_in(value, "read_from"))
+    if (std::find(execution.read_from.begin(), execution.read_from.end(), link) ==
+            execution.read_from.end() &&
+        execution.read_from.size() < kMaxReadFrom)
+      execution.read_from.push_back(std::move(link));
   set_if_missing(execution.thing_before, link_in(value, "object_before"));
   const MemberFlags known = told_members(execution);
   for (size_t i = 0; i < known.size(); ++i)

@@ -35,6 +35,8 @@ struct Execution {
   std::vector<ltm::MemoryId> stopped_by;
   std::optional<ltm::MemoryId> thing_before;  ///< The thing as it was when it began,
   std::optional<ltm::MemoryId> thing_after;   ///< and when it ended.
+  /// What the events themselves were read from: joints and images of a deed that nobody told.
+  std::vector<ltm::MemoryId> read_from;
   /// When the event was that told each member first. What a later one tells was not known before.
   std::array<Time, static_cast<size_t>(ToldMember::kCount)> told_at{};
 

@@ -15,6 +15,7 @@ void Outcome::cite(const ltm::MemoryId& id, std::string_view role) {
 void Outcome::cite(const Execution& execution) {
   cite(execution.start_id, "started");
   if (execution.end_id) cite(*execution.end_id, "ended");
+  for (const ltm::MemoryId& id : execution.read_from) cite(id, "read from");
 }
 
 }  // namespace engram::speech

@@ -42,7 +42,7 @@ struct Outcome {
 
   /// Adds an ID once, no more than kMaxEvidence, and none of a snapshot after `now`.
   void cite(const ltm::MemoryId& id, std::string_view role);
-  /// Cites both events of an execution.
+  /// Cites both events of an execution, and what they were read from.
   void cite(const Execution& execution);
 };
 
