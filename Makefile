@@ -32,7 +32,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo robot robot-demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars ask-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars ask-bars notice-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -76,6 +76,7 @@ help:
 	@echo "make replay-bars is a replay the memory that it was: bytes, leaks, order, seeks (BARS=options)"
 	@echo "make ask-bars    2,000 questions each of seven kinds about 40 kitchens: answered rightly, refused, how"
 	@echo "             soon; first it trains what reads questions (ANSWERS_BUDGET=60m, BARS=options)"
+	@echo "make notice-bars how rightly grasps are found in joints; ten questions about a real robot (RECORDINGS)"
 	@echo "make viewer-bars how quick the viewer is, in a browser (BARS='--scale STORE')"
 	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
@@ -318,6 +319,14 @@ build/ask/answers.attention: | build
 	  --seed 101..120
 	build/release/bin/engram learn-answers build/ask/learned/*.engram --out $@ \
 	  --budget $(ANSWERS_BUDGET)
+
+# Options: experiments/ask/notice_bars.py --help
+notice-bars: build
+	build/release/bin/engram simulate kitchen --folder build/notice/kitchens --no-images --jobs 2 \
+	  --seed 201..220
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/notice_bars.py \
+	  build/release/bin/engram --kitchens build/notice/kitchens \
+	  --recording "$(RECORDINGS)/g1" --work build/notice --json build/notice_bars.json $(BARS)
 
 # Options: experiments/viewer/viewer_bars.py --help
 viewer-bars: build

@@ -32,6 +32,7 @@ void add_consolidate_command(CLI::App& app, ExitCode& exit_code);
 void add_query_command(CLI::App& app, ExitCode& exit_code);
 void add_ask_command(CLI::App& app, ExitCode& exit_code);
 void add_tell_command(CLI::App& app, ExitCode& exit_code);
+void add_notice_command(CLI::App& app, ExitCode& exit_code);
 void add_similar_command(CLI::App& app, ExitCode& exit_code);
 void add_why_salient_command(CLI::App& app, ExitCode& exit_code);
 void add_models_command(CLI::App& app, ExitCode& exit_code);

@@ -106,6 +106,7 @@ struct Program {
     add_query_command(app, exit_code);
     add_ask_command(app, exit_code);
     add_tell_command(app, exit_code);
+    add_notice_command(app, exit_code);
     if (learning != nullptr) learning->add_learn_answers_command(app, exit_code);
     add_similar_command(app, exit_code);
     add_why_salient_command(app, exit_code);
@@ -137,7 +138,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 15> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 16> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -148,6 +149,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 15> kInterruptNot
     {"import", "what was acknowledged is in the store"},
     {"learn-answers", "what was learned before is as it was; the same command goes on"},
     {"map", "a file or a map is whole, or not there"},
+    {"notice", "nothing is recorded, or all of it"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"reflect", "nothing is recorded, or all of it"},
