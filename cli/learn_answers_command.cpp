@@ -67,7 +67,10 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
       ->add_option("--from", arguments->lesson.options.start,
                    "A network to go on from; without, it starts anew")
       ->check(CLI::ExistingFile);
-  command->add_option("--budget", arguments->budget, "How long it trains, once dialogues are made")
+  command
+      ->add_option("--budget", arguments->budget,
+                   "How long it trains, once dialogues are made; 0s with --from: only its limits "
+                   "are measured anew")
       ->check(duration_text())
       ->capture_default_str();
   command
@@ -88,6 +91,10 @@ void add_learn_answers_command(CLI::App& app, ExitCode& exit_code) {
   command
       ->add_option("--min-right", arguments->lesson.options.min_right,
                    "Min share of what is told that is right, measured on held-out questions")
+      ->capture_default_str();
+  command
+      ->add_option("--min-refused", arguments->lesson.options.min_refused,
+                   "Min share of what cannot be answered that is refused, measured on the same")
       ->capture_default_str();
   command
       ->add_option("--seed", arguments->lesson.options.seed,

@@ -13,12 +13,13 @@ std::string lesson_text(const speech::LessonReport& report, const std::filesyste
       "  trained {:.0f} s: {} steps with {} examples, {:.2f} million parameters, loss {:.3f}\n"
       "  of {} held-out questions {:.1f} % are read rightly, of those in new words {:.1f} %; from "
       "a confidence of {:.3f} on {:.1f} "
-      "% are told, of these {:.1f} % rightly\n"
+      "% are told, of these {:.1f} % rightly, and {:.1f} % of what cannot be answered is refused\n"
       "  {}",
       made.dialogues, made.programs, made.refusals, made.unread, made.unlike, learned.seconds,
       learned.steps, learned.examples, static_cast<double>(learned.parameters) / 1e6, learned.loss,
       learned.held_out, 100 * learned.read_rightly, 100 * learned.new_wordings_read_rightly,
-      learned.min_confidence, 100 * learned.told, 100 * learned.told_rightly, file.string());
+      learned.min_confidence, 100 * learned.told, 100 * learned.told_rightly, 100 * learned.refused,
+      file.string());
 }
 
 Json lesson_json(const speech::LessonReport& report, const std::filesystem::path& file) {
@@ -41,7 +42,8 @@ Json lesson_json(const speech::LessonReport& report, const std::filesystem::path
           {"min_confidence", learned.min_confidence},
           {"sure_confidence", learned.sure_confidence},
           {"told", learned.told},
-          {"told_rightly", learned.told_rightly}};
+          {"told_rightly", learned.told_rightly},
+          {"refused", learned.refused}};
 }
 
 }  // namespace engram::cli

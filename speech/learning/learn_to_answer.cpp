@@ -51,8 +51,10 @@ Result<LearnReport> learn(const std::vector<AttentionExample>& examples,
   const auto keep = [&](AttentionLayers& kept) {
     return save_attention(kept, {.examples = static_cast<int64_t>(report.examples)}, unfinished);
   };
-  ENGRAM_RETURN_IF_ERROR(
-      fit_attention(layers, std::move(learned), options, report, keep, progress, stop));
+  if (options.budget > Duration::zero())
+    ENGRAM_RETURN_IF_ERROR(
+        fit_attention(layers, std::move(learned), options, report, keep, progress, stop));
+  layers->eval();
   ENGRAM_RETURN_IF_ERROR(measure_reading(layers, examples, options, report, stop));
   ENGRAM_RETURN_IF_ERROR(save_attention(layers,
                                         {report.min_confidence, report.sure_confidence,
@@ -66,16 +68,16 @@ Result<LearnReport> learn(const std::vector<AttentionExample>& examples,
 }  // namespace
 
 Status LearnOptions::validate() const {
-  if (budget <= Duration::zero())
+  if (budget < Duration::zero() || (budget == Duration::zero() && start.empty()))
     return invalid_argument("learning to answer: found a budget of {} s, needs more than 0",
                             to_seconds(budget));
   if (batch < 1 || batch > 1024)
     return invalid_argument("learning to answer: found a batch of {}, needs 1 to 1024", batch);
   if (!(learning_rate > 0 && learning_rate < 1))
     return invalid_argument("learning to answer: found a rate of {}, needs 0 to 1", learning_rate);
-  for (const double right : {min_right, sure_right})
-    if (!(right >= 0 && right <= 1))
-      return invalid_argument("learning to answer: found {} to be right, needs 0 to 1", right);
+  for (const double share : {min_right, sure_right, min_refused})
+    if (!(share >= 0 && share <= 1))
+      return invalid_argument("learning to answer: found a share of {}, needs 0 to 1", share);
   return {};
 }
 
@@ -111,7 +113,7 @@ Result<LessonReport> learn_from(const Lesson& lesson, const ProgressSink& progre
   LearnOptions options = lesson.options;
   if (lesson.until) {
     options.budget = std::min(options.budget, *lesson.until - system_now() - kMeasuring);
-    if (options.budget <= Duration::zero())
+    if (options.budget <= Duration::zero() && lesson.options.budget > Duration::zero())
       return resource_exhausted("learning to answer: no time is left for it");
   }
   ENGRAM_ASSIGN_OR_RETURN(report.learned,

@@ -18,6 +18,7 @@ inline constexpr double kNeverSure = 2;
 
 /// How a network learns to read questions.
 struct LearnOptions {
+  /// Zero with `start`: only the limits of that network are measured anew.
   Duration budget = std::chrono::minutes(60);
   int threads = 1;
   int64_t batch = 48;
@@ -27,8 +28,11 @@ struct LearnOptions {
   std::filesystem::path start{};
   /// Called between steps, and may wait, as while the robot is busy: that is no time of learning.
   std::function<Status()> pause{};
-  /// So much of what is told of held-out questions is right: min_confidence follows from it.
+  /// So much of what is told of held-out questions is right, and so many of those that cannot be
+  /// answered are refused: min_confidence follows from both, by wordings that are held out, as
+  /// people ask in their own.
   double min_right = 0.9;
+  double min_refused = 0.95;
   /// The same of what counts more than rules of the grammar.
   double sure_right = 0.95;
 
@@ -49,6 +53,8 @@ struct LearnReport {
   /// The share that is told from min_confidence on, and how much of that is right.
   double told = 0;
   double told_rightly = 0;
+  /// The share of what cannot be answered that is refused below min_confidence.
+  double refused = 0;
   double min_confidence = kNeverSure;
   double sure_confidence = kNeverSure;
 };

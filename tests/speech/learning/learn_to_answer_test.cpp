@@ -146,6 +146,29 @@ TEST_F(LearnToAnswer, GoesOnWhereItWasCutOff) {
   EXPECT_FALSE(std::filesystem::exists(unfinished));
 }
 
+TEST_F(LearnToAnswer, MeasuresLimitsAnew) {
+  const auto learned = learn(milliseconds(200));
+  ASSERT_OK(learned);
+  LearnOptions options;
+  options.budget = Duration::zero();
+  options.start = file();
+  options.min_right = 0;
+  options.min_refused = 0;
+  auto again = file();
+  again += "2";
+  const auto measured = learn_to_answer(examples(), options, again, {}, {});
+  ASSERT_OK(measured);
+  EXPECT_EQ(measured->steps, 0);
+  EXPECT_EQ(measured->read_rightly, learned->read_rightly);
+  // Nobody asks for anything, so all that is read at all is told.
+  EXPECT_GE(measured->told, learned->told);
+  EXPECT_LE(measured->min_confidence, learned->min_confidence);
+  EXPECT_OK(load_attention(again));
+  options.start.clear();
+  EXPECT_FAILS(learn_to_answer(examples(), options, again, {}, {}), StatusCode::kInvalidArgument,
+               "budget");
+}
+
 TEST_F(LearnToAnswer, NeedsExamplesAndSense) {
   EXPECT_FAILS(learn_to_answer({examples()[0]}, {}, file(), {}, {}), StatusCode::kInvalidArgument,
                "examples");
