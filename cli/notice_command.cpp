@@ -17,8 +17,9 @@ what it was is read from the task of the episode: "Pick up the yellow bottle on 
 With --commit it is written into the store as executions of the provider 'noticed', each with links
 to the joints that show it, and the store can be asked: "When did you grasp the bottle?" What was
 committed before is not committed again, so a nightly job may run it each night.
-Fingers whose numbers never leave 0..1, and grippers, are taken for open where the numbers are
-large; other fingers for angles, which are large where they bend. --open says it otherwise.
+Grippers, and fingers whose numbers never leave 0..1 and that no description of the robot names, are
+taken for open where the numbers are large; other fingers for angles, which are large where they bend.
+--open says it otherwise.
 
 Examples:
   engram import --from g1 robot.engram

@@ -86,6 +86,7 @@ std::vector<std::string> joint_names(const idf::Data& value,
 
 std::vector<HandJoints> hands_among(const std::vector<std::string>& names) {
   std::map<std::string, HandJoints> hands;
+  std::map<std::string, std::vector<size_t>> thumbs;
   for (size_t i = 0; i < names.size(); ++i) {
     const std::vector<std::string> words = words_in(names[i]);
     const auto has = [&](std::string_view word) {
@@ -100,10 +101,13 @@ std::vector<HandJoints> hands_among(const std::vector<std::string>& names) {
     HandJoints& joints = hands[hand];
     joints.hand = hand;
     joints.is_gripper = joints.is_gripper || is_gripper;
-    joints.columns.push_back(i);
+    (has("thumb") ? thumbs[hand] : joints.columns).push_back(i);
   }
   std::vector<HandJoints> list;
-  for (auto& [name, joints] : hands) list.push_back(std::move(joints));
+  for (auto& [name, joints] : hands) {
+    if (joints.columns.empty()) joints.columns = thumbs[name];
+    list.push_back(std::move(joints));
+  }
   return list;
 }
 

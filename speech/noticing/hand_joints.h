@@ -26,7 +26,9 @@ struct HandJoints {
 [[nodiscard]] std::vector<std::string> joint_names(const idf::Data& value,
                                                    const std::vector<std::string>& described);
 
-/// The hands that joints of these names are of: "kRightHandIndex", "left_thumb_1", "gripper.pos".
+/// The hands that joints of these names are of: "kRightHandIndex", "left_index_1", "gripper.pos".
+/// A thumb turns against the fingers while it closes, so its joints count only where a hand has no
+/// others.
 /// Source: docs/verbalisation.md, section "Deeds that nobody told".
 [[nodiscard]] std::vector<HandJoints> hands_among(const std::vector<std::string>& names);
 

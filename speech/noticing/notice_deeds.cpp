@@ -162,7 +162,8 @@ class DeedSearch {
 
   [[nodiscard]] bool is_open_high(const HandSeries& hand) const {
     if (options_.open != OpenHand::kAuto) return options_.open == OpenHand::kHigh;
-    return hand.joints.is_gripper || hand.is_within_one;
+    // Whoever describes a robot tells its joints as angles.
+    return hand.joints.is_gripper || (described_.empty() && hand.is_within_one);
   }
 
   /// The episode at a time; null: there is none.

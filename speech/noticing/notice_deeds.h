@@ -13,7 +13,9 @@ namespace engram::speech {
 
 /// Whether a hand is more open where the numbers of its fingers are larger.
 enum class OpenHand : uint8_t {
-  kAuto,  ///< Grippers, and fingers whose numbers never leave 0..1; else they are angles that bend.
+  /// Grippers, and fingers that no description of a robot names and whose numbers never leave 0..1
+  /// are open where they are large; else they are angles, which are large where they bend.
+  kAuto,
   kHigh,
   kLow,
 };

@@ -38,12 +38,14 @@ TEST(TaskWords, EndureAnything) {
 }
 
 TEST(HandJoints, AreFoundByTheirNames) {
-  const auto hands = hands_among({"kLeftElbow", "kLeftHandIndex", "kRightHandThumbBend",
-                                  "right_index_1", "kRightWristRoll", "waist_string"});
+  const auto hands =
+      hands_among({"kLeftElbow", "kLeftHandIndex", "kRightHandMiddle", "right_index_1",
+                   "kRightWristRoll", "waist_string", "kRightHandThumbBend"});
   ASSERT_EQ(hands.size(), 2u);
   EXPECT_EQ(hands[0].hand, "left");
   EXPECT_EQ(hands[0].columns, (std::vector<size_t>{1}));
   EXPECT_EQ(hands[1].columns, (std::vector<size_t>{2, 3}));
+  EXPECT_EQ(hands_among({"left_thumb_1"})[0].columns, (std::vector<size_t>{0}));
   const auto gripper = hands_among({"shoulder_pan.pos", "gripper.pos"});
   ASSERT_EQ(gripper.size(), 1u);
   EXPECT_EQ(gripper[0].hand, "gripper");
