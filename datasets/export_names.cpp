@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "ltm/core/utf8.h"
 #include "ltm/store/checksum.h"
 #include "ltm/store/segment_format.h"
 
@@ -16,10 +17,7 @@ constexpr size_t kMaxNameBytes = 200;
 std::string shortened(std::string name) {
   if (name.size() <= kMaxNameBytes) return name;
   const uint64_t sum = ltm::checksum(as_bytes(name));
-  size_t end = kMaxNameBytes - 18;
-  // Do not cut a UTF-8 character in two.
-  while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0) == 0x80) --end;
-  return fmt::format("{}%~{:016x}", name.substr(0, end), sum);
+  return fmt::format("{}%~{:016x}", cut_utf8(name, kMaxNameBytes - 18), sum);
 }
 
 }  // namespace

@@ -17,6 +17,9 @@ struct Utf8Character {
 /// codes above U+10FFFF are not well-formed.
 [[nodiscard]] Utf8Character first_character(std::string_view text);
 
+/// The beginning of a text: at most `max_bytes`, and no character cut in two.
+[[nodiscard]] std::string_view cut_utf8(std::string_view text, size_t max_bytes);
+
 /// True where all of `text` is well-formed UTF-8.
 [[nodiscard]] bool is_utf8(std::string_view text);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "ltm/core/utf8.h"
 #include "ltm/idf/element_visit.h"
 #include "ltm/idf/place.h"
 #include "ltm/idf/quantity.h"
@@ -28,12 +29,8 @@ std::string array_text(ElementType element, const Shape& shape) {
   return fmt::format("ndarray {} [{}]", to_string(element), text);
 }
 
-/// The beginning of a long text, cut between UTF-8 characters.
 std::string shortened(const std::string& text) {
-  if (text.size() <= kShownText) return text;
-  size_t end = kShownText;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;
-  return text.substr(0, end) + "...";
+  return text.size() <= kShownText ? text : std::string(cut_utf8(text, kShownText)) + "...";
 }
 
 using Found = std::optional<Mismatch>;

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "ltm/core/printable.h"
+#include "ltm/core/utf8.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "reports/plain/members_text.h"
@@ -40,10 +41,7 @@ std::string whole_text(const idf::Data& data) {
 std::string beginning_text(const idf::Data& data) {
   constexpr size_t kLongest = 57;
   std::string text = idf::to_json_text(data).value_or("");
-  if (text.size() <= kLongest) return text;
-  size_t end = kLongest;
-  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;
-  return text.substr(0, end) + "...";
+  return text.size() <= kLongest ? text : std::string(cut_utf8(text, kLongest)) + "...";
 }
 
 /// Such as "image uint8 [128, 128, 3]", "52 numbers", a short value itself, or the beginning of a

@@ -6,6 +6,7 @@
 
 #include "ltm/codec/png.h"
 #include "ltm/core/file.h"
+#include "ltm/core/utf8.h"
 #include "ltm/idf/json.h"
 #include "ltm/idf/layout.h"
 #include "ltm/memory/augmentation_json.h"
@@ -52,8 +53,7 @@ std::string short_name(std::string name) {
   constexpr size_t kMaxBytes = 120;
   constexpr size_t kKeptBytes = 100;
   if (name.size() <= kMaxBytes) return name;
-  size_t end = kKeptBytes;
-  while ((static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;
+  size_t end = cut_utf8(name, kKeptBytes).size();
   // Nor may an escape like "%2F" be cut.
   if (const size_t escape = name.rfind('%', end); escape != std::string::npos && escape + 3 > end)
     end = std::min(end, escape);

@@ -49,11 +49,7 @@ void check_info(const MetricInfo& info) {
 }
 
 std::string bounded_value(std::string value, size_t max_bytes) {
-  if (value.size() > max_bytes) {
-    value.resize(max_bytes);
-    // Cuts no UTF-8 character in half: a character has up to four bytes.
-    for (int i = 0; i < 3 && !is_utf8(value); ++i) value.pop_back();
-  }
+  value.resize(cut_utf8(value, max_bytes).size());
   if (!is_utf8(value))
     std::ranges::replace_if(
         value, [](char c) { return static_cast<unsigned char>(c) >= 0x80; }, '?');

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/language/asker.h"
 
+#include "ltm/core/utf8.h"
 #include "speech/language/grammar.h"
 #include "speech/program/execute.h"
 #include "speech/telling/tell_outcome.h"
@@ -12,15 +13,8 @@ namespace {
 /// A question as an answer repeats it: what is far too long is cut off.
 std::string shown_question(std::string_view question) {
   constexpr size_t kMaxShown = 500;
-  std::string shown(question.substr(0, kMaxShown));
-  // A cut inside a character would be no text.
-  while (question.size() > kMaxShown && !shown.empty() &&
-         (static_cast<unsigned char>(shown.back()) & 0xC0) == 0x80)
-    shown.pop_back();
-  if (question.size() > kMaxShown && !shown.empty() &&
-      static_cast<unsigned char>(shown.back()) >= 0x80)
-    shown.pop_back();
-  return question.size() > kMaxShown ? shown + "..." : shown;
+  const std::string shown(cut_utf8(question, kMaxShown));
+  return shown.size() < question.size() ? shown + "..." : shown;
 }
 
 }  // namespace

@@ -16,5 +16,19 @@ TEST(Utf8, IsWhatUnicodeSays) {
     EXPECT_FALSE(is_utf8(text)) << text;
 }
 
+TEST(Utf8, IsCutBetweenCharacters) {
+  EXPECT_EQ(cut_utf8("abc", 3), "abc");
+  EXPECT_EQ(cut_utf8("abc", 2), "ab");
+  // "a", two bytes, three bytes.
+  const std::string_view text = "a\xc3\xa9\xe2\x82\xac";
+  EXPECT_EQ(cut_utf8(text, 6), text);
+  EXPECT_EQ(cut_utf8(text, 5), "a\xc3\xa9");
+  EXPECT_EQ(cut_utf8(text, 3), "a\xc3\xa9");
+  EXPECT_EQ(cut_utf8(text, 2), "a");
+  EXPECT_EQ(cut_utf8(text, 0), "");
+  // Bytes that are none of a character are nothing, and do no harm.
+  EXPECT_EQ(cut_utf8("\x80\x80\x80", 2), "");
+}
+
 }  // namespace
 }  // namespace engram
