@@ -23,7 +23,8 @@ constexpr const char* kUnfinished = ".unfinished";
 /// Those of a lesson that was cut off, else those that the options name, else new ones.
 Result<AttentionLayers> layers_to_begin_with(const std::filesystem::path& unfinished,
                                              const LearnOptions& options) {
-  if (auto kept = read_attention(unfinished); kept.ok()) {
+  const bool learns = options.budget > Duration::zero();
+  if (auto kept = read_attention(unfinished); learns && kept.ok()) {
     log::info("learning to answer goes on from '{}'", unfinished.string());
     return kept->layers;
   }

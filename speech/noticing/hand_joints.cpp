@@ -16,8 +16,8 @@ namespace {
 constexpr size_t kMaxNumbers = 1024;
 
 /// What members are called that tell of joints, and of something else than where they are.
-constexpr std::array<std::string_view, 7> kOfMotion{"velocit", "speed",   "effort",     "torque",
-                                                    "current", "acceler", "temperature"};
+constexpr std::array<std::string_view, 7> kNoTurn{"velocit", "speed",   "effort",     "torque",
+                                                  "current", "acceler", "temperature"};
 constexpr std::array<std::string_view, 8> kFingers{"hand",   "finger", "thumb", "index",
                                                    "middle", "ring",   "pinky", "little"};
 
@@ -44,7 +44,7 @@ std::vector<std::string> words_in(const std::string& name) {
 /// Calls `visit` with the name of each number and the number.
 template <typename Visit>
 void visit_numbers(const idf::Data& value, const std::string& path, const Visit& visit) {
-  if (has_any(lower_ascii(path), kOfMotion)) return;
+  if (has_any(lower_ascii(path), kNoTurn)) return;
   if (const auto* dict = value.get_if<idf::Dict>()) {
     for (const idf::DictEntry& member : *dict)
       visit_numbers(member.value, path.empty() ? member.key : path + "." + member.key, visit);

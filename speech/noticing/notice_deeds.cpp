@@ -66,7 +66,7 @@ class DeedSearch {
     const std::string names =
         options_.joints ? options_.joints->to_string() : std::string("RobotState");
     ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult latest, query(names + " @ latest"));
-    ENGRAM_RETURN_IF_ERROR(read_descriptions(latest));
+    ENGRAM_RETURN_IF_ERROR(read_description());
     for (const ltm::EntityResult* entity : latest.entities()) {
       if (entity->snapshots.empty() || entity->snapshots.back().instances.empty()) continue;
       const idf::Data& value = entity->snapshots.back().instances.front().data;
@@ -84,7 +84,9 @@ class DeedSearch {
   }
 
   /// The names of joints, which arrays do not have.
-  Status read_descriptions(const ltm::QueryResult& latest) {
+  Status read_description() {
+    ENGRAM_ASSIGN_OR_RETURN(const ltm::QueryResult latest,
+                            query("RobotState/Description @ latest"));
     for (const ltm::EntityResult* entity : latest.entities()) {
       if (entity->snapshots.empty() || entity->snapshots.back().instances.empty()) continue;
       const idf::Data* names = entity->snapshots.back().instances.front().data.at("joint_names");

@@ -61,10 +61,10 @@ Result<Noticed> notice_deeds(Memory& memory, const NoticeOptions& options,
                              const ProgressSink& progress = {}, const std::stop_token& stop = {});
 
 /// Commits deeds as executions of the provider "noticed", with their tasks as plans and the things
-/// and places that they name, so that the memory can be asked about them. Deeds of before the last
-/// one that it has already are left out. Returns how many were committed.
-/// Errors: kFailedPrecondition where somebody else told of executions within an episode: those are
-/// known better; those of Memory::commit.
+/// and places that they name, so that the memory can be asked about them. What was noticed before
+/// is left out, and so are deeds of episodes within which somebody else told of executions: those
+/// are known better. Returns of how many something was committed.
+/// Errors: kFailedPrecondition where others told of all of them; those of Memory::commit.
 Result<size_t> remember_deeds(Memory& memory, const std::vector<NoticedDeed>& deeds);
 
 }  // namespace engram::speech

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include "speech/facts/known_facts.h"
@@ -30,12 +31,42 @@ std::string link(const std::optional<ltm::MemoryId>& id) {
   return id ? id->to_string() : std::string();
 }
 
+/// The executions that were noticed before. What a hand did is found a little earlier or later once
+/// more is known of its range, so a deed is known where one begins about when it does.
+class KnownDeeds {
+ public:
+  explicit KnownDeeds(const std::vector<Execution>& executions) {
+    for (const Execution& one : executions)
+      if (one.provider == kProvider) starts_[{one.skill, one.hand}].insert(one.started);
+  }
+
+  [[nodiscard]] bool has(const char* skill, const std::string& hand, Time began, Time ended) const {
+    constexpr Duration kAbout = std::chrono::milliseconds(500);
+    const auto starts = starts_.find({skill, hand});
+    if (starts == starts_.end()) return false;
+    const auto found = starts->second.lower_bound(began - kAbout);
+    return found != starts->second.end() && *found <= ended;
+  }
+
+ private:
+  std::map<std::pair<std::string, std::string>, std::set<Time>> starts_;
+};
+
 /// The snapshots of deeds, in the order of their times.
 class DeedCommits {
  public:
-  explicit DeedCommits(const KnownWorld& world) : world_(world) {}
+  explicit DeedCommits(const KnownFacts& facts)
+      : world_(facts.world()), known_(facts.executions()) {}
 
-  void add(const NoticedDeed& deed) {
+  /// Returns whether something of it was not known.
+  bool add(const NoticedDeed& deed) {
+    const bool has_let_go = deed.open_began && deed.open_ended;
+    const bool is_taking_new =
+        !known_.has(kTakes, deed.hand, *deed.close_began.time(), *deed.close_ended.time());
+    const bool is_letting_go_new =
+        has_let_go &&
+        !known_.has(kLetsGo, deed.hand, *deed.open_began->time(), *deed.open_ended->time());
+    if (!is_taking_new && !is_letting_go_new) return false;
     const std::optional<ltm::MemoryId> thing = thing_of(deed);
     const std::optional<ltm::MemoryId> place = place_of(deed);
     const std::optional<ltm::MemoryId> plan = plan_of(deed, thing, place);
@@ -59,15 +90,16 @@ class DeedCommits {
       event.set("reason", text(reason));
       event.set("ended", to_ns(*ended.time()));
       put(entity, *ended.time(), event);
-      if (thing)
-        put_state(*thing, *ended.time(), skill == std::string_view(kTakes) ? deed.hand : "");
+      if (thing) put_state(*thing, *ended.time(), began == deed.close_began ? deed.hand : "");
     };
-    tell(kTakes, deed.close_began, deed.close_ended,
-         fmt::format("the {} closed from {:.2f} to {:.2f}", hand_words(deed), deed.open_before,
-                     deed.open_after));
-    if (deed.open_began && deed.open_ended)
+    if (is_taking_new)
+      tell(kTakes, deed.close_began, deed.close_ended,
+           fmt::format("the {} closed from {:.2f} to {:.2f}", spoken_hand(deed.hand),
+                       deed.open_before, deed.open_after));
+    if (is_letting_go_new)
       tell(kLetsGo, *deed.open_began, *deed.open_ended,
-           fmt::format("the {} opened again", hand_words(deed)));
+           fmt::format("the {} opened again", spoken_hand(deed.hand)));
+    return true;
   }
 
   [[nodiscard]] ltm::Commit take() {
@@ -86,8 +118,6 @@ class DeedCommits {
     return links;
   }
 
-  static std::string hand_words(const NoticedDeed& deed) { return spoken_hand(deed.hand); }
-
   /// A second snapshot of an entity at the same time says the same.
   void put(const ltm::MemoryId& entity, Time time, idf::Dict value) {
     if (!put_.emplace(entity, time).second) return;
@@ -101,7 +131,9 @@ class DeedCommits {
   void put_state(const ltm::MemoryId& thing, Time time, const std::string& held_by) {
     // What others tell of a thing is known better.
     if (thing.names()[2] != kProvider) return;
-    idf::Dict state{{"object_class", named("Objects", "Classes", class_names_[thing]).to_string()},
+    std::string kind = thing.names().back();
+    kind.resize(kind.rfind('_'));
+    idf::Dict state{{"object_class", named("Objects", "Classes", kind).to_string()},
                     {"pose_world_object", idf::Data()},
                     {"held_by", text(held_by)}};
     put(thing, time, std::move(state));
@@ -109,13 +141,10 @@ class DeedCommits {
 
   std::optional<ltm::MemoryId> thing_of(const NoticedDeed& deed) {
     if (deed.thing.empty()) return {};
-    if (const auto known = world_.things_called(deed.thing); !known.empty()) {
-      class_names_[known.front()] = entity_name(deed.thing);
-      return known.front();
-    }
+    if (const auto known = world_.things_called(deed.thing); !known.empty()) return known.front();
     const std::string name = entity_name(deed.thing);
     const ltm::MemoryId thing = named("Objects", "Instances", name + "_1");
-    if (!class_names_.emplace(thing, name).second) return thing;
+    if (!made_.insert(thing).second) return thing;
     put(named("Objects", "Classes", name), deed.episode_begins,
         {{"name", text(head_word(deed.thing))}, {"spoken_name", text(deed.thing)}});
     put_state(thing, deed.episode_begins, "");
@@ -126,7 +155,7 @@ class DeedCommits {
     if (deed.place.empty()) return {};
     if (const auto known = world_.places_called(deed.place); !known.empty()) return known.front();
     const ltm::MemoryId place = named("Navigation", "Locations", entity_name(deed.place));
-    if (places_.insert(place).second)
+    if (made_.insert(place).second)
       put(place, deed.episode_begins, {{"name", text(deed.place)}, {"aliases", idf::List{}}});
     return place;
   }
@@ -148,35 +177,38 @@ class DeedCommits {
   }
 
   const KnownWorld& world_;
+  const KnownDeeds known_;
   ltm::Commit commit_;
   std::set<std::pair<ltm::MemoryId, Time>> put_;
-  std::map<ltm::MemoryId, std::string> class_names_;  ///< By things.
-  std::set<ltm::MemoryId> places_;
+  std::set<ltm::MemoryId> made_;  ///< Things and places that the memory did not know.
 };
 
 }  // namespace
 
 Result<size_t> remember_deeds(Memory& memory, const std::vector<NoticedDeed>& deeds) {
   ENGRAM_ASSIGN_OR_RETURN(const auto facts, KnownFacts::read(memory));
-  std::optional<Time> last;
-  for (const Execution& execution : facts->executions()) {
-    if (execution.provider == kProvider) {
-      last = std::max(last.value_or(execution.started), execution.started);
-      continue;
-    }
-    for (const NoticedDeed& deed : deeds)
-      if (execution.is_within(deed.episode_begins, *deed.close_ended.time()))
-        return failed_precondition(
-            "the memory was told what the robot did: '{}' at {}; what is found in its joints would "
-            "be the same deeds again",
-            execution.skill, to_string(execution.started));
-  }
-  DeedCommits commits(facts->world());
+  std::vector<const Execution*> told;
+  for (const Execution& execution : facts->executions())
+    if (execution.provider != kProvider) told.push_back(&execution);
+  const auto teller_of = [&told](const NoticedDeed& deed) {
+    return std::find_if(told.begin(), told.end(), [&](const Execution* execution) {
+      return execution->is_within(deed.episode_begins, *deed.close_ended.time());
+    });
+  };
+  DeedCommits commits(*facts);
   size_t count = 0;
-  for (const NoticedDeed& deed : deeds) {
-    if (last && *deed.close_began.time() <= *last) continue;
-    commits.add(deed);
-    ++count;
+  size_t left_out = 0;
+  for (const NoticedDeed& deed : deeds)
+    if (teller_of(deed) != told.end())
+      ++left_out;
+    else
+      count += commits.add(deed) ? 1 : 0;
+  if (!deeds.empty() && left_out == deeds.size()) {
+    const Execution& execution = **teller_of(deeds.front());
+    return failed_precondition(
+        "the memory was told what the robot did: '{}' at {}; what is found in its joints would be "
+        "the same deeds again",
+        execution.skill, to_string(execution.started));
   }
   if (count > 0) ENGRAM_RETURN_IF_ERROR(memory.commit(commits.take()));
   return count;

@@ -145,11 +145,80 @@ TEST_F(Noticing, RemembersOnlyWhatIsNew) {
   EXPECT_EQ(*third, 0u);
 }
 
+TEST_F(Noticing, RemembersThatAHandLetGoOnlyLater) {
+  episode(0, kTask);
+  std::vector<NoticedDeed> deeds = noticed().deeds;
+  ASSERT_THAT(deeds, SizeIs(1));
+  const auto opened = std::pair(deeds[0].open_began, deeds[0].open_ended);
+  deeds[0].open_began.reset();
+  deeds[0].open_ended.reset();
+  ASSERT_OK(remember_deeds(*memory_, deeds));
+  EXPECT_EQ(answer("Which hand holds the bottle?"), "My right hand.");
+  // It is found a sample later, now that more is known.
+  std::tie(deeds[0].open_began, deeds[0].open_ended) = opened;
+  deeds[0].close_began = deeds[0].close_began.entity().at(at(3.2)).instance(0);
+  ASSERT_OK(remember_deeds(*memory_, deeds));
+  const auto facts = KnownFacts::read(*memory_);
+  ASSERT_OK(facts);
+  ASSERT_THAT((*facts)->executions(), SizeIs(2));
+  EXPECT_EQ((*facts)->executions()[1].skill, "release");
+}
+
+TEST_F(Noticing, TellsOfBothHandsAtOnce) {
+  episode(0, kTask);
+  std::vector<NoticedDeed> deeds = noticed().deeds;
+  deeds.push_back(deeds[0]);
+  deeds[1].hand = "left";
+  const auto committed = remember_deeds(*memory_, deeds);
+  ASSERT_OK(committed);
+  EXPECT_EQ(*committed, 2u);
+  EXPECT_THAT(answer("How many times did you pick up the bottle?"), HasSubstr("Twice"));
+}
+
+TEST_F(Noticing, CallsAThingByAnyOfItsNamesTheSame) {
+  episode(0, kTask);
+  ASSERT_OK(remember_deeds(*memory_, noticed().deeds));
+  episode(20, "Take the bottle");
+  ASSERT_OK(remember_deeds(*memory_, noticed().deeds));
+  EXPECT_THAT(answer("How many times did you pick up the yellow bottle?"), HasSubstr("Twice"));
+  // Its class is one that the memory has.
+  const auto things = memory_->query("Objects/Instances @ latest");
+  ASSERT_OK(things);
+  ASSERT_THAT(things->entities(), SizeIs(1));
+  const idf::Data* of_class =
+      things->entities()[0]->snapshots[0].instances[0].data.at("object_class");
+  EXPECT_OK(memory_->query(of_class->get<std::string>() + " @ latest"));
+}
+
+TEST_F(Noticing, FindsNamesOfJointsOfOneEntityInItsDescription) {
+  commit("RobotState/Description/robot/body", at(0),
+         {{"joint_names", idf::List{idf::Data("elbow"), idf::Data("left_index_1")}}});
+  for (int i = 0; i < 100; ++i) {
+    const float bent = i < 30 || i > 60 ? 0.1F : 0.3F;
+    commit("RobotState/Proprioception/robot/joints", at(i / 10.0),
+           {{"positions", idf::NdArray::take({2}, std::vector<float>{1, bent})}});
+  }
+  NoticeOptions options;
+  options.joints = *ltm::MemoryId::parse("RobotState/Proprioception/robot/joints");
+  const auto found = notice_deeds(*memory_, options);
+  ASSERT_OK(found);
+  ASSERT_THAT(found->deeds, SizeIs(1));
+  // Angles, also where they stay between 0 and 1.
+  EXPECT_NEAR(found->deeds[0].open_after, 0.3, 1e-6);
+}
+
 TEST_F(Noticing, LeavesWhatOthersToldAlone) {
   episode(0, kTask);
   commit("Skill/Event/robot/pick", at(2), {{"skill", "robot/pick"}, {"outcome", int32_t{0}}});
   EXPECT_FAILS(remember_deeds(*memory_, noticed().deeds), StatusCode::kFailedPrecondition,
                "was told what the robot did");
+  // Of another day nobody told.
+  episode(20, kTask);
+  commit("Skill/Event/robot/pick", at(8),
+         {{"skill", "robot/pick"}, {"outcome", int32_t{1}}, {"started", to_ns(at(2))}});
+  const auto committed = remember_deeds(*memory_, noticed().deeds);
+  ASSERT_OK(committed);
+  EXPECT_EQ(*committed, 1u);
 }
 
 TEST_F(Noticing, NeedsHandsAndCanBeStopped) {
