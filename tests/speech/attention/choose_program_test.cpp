@@ -9,6 +9,7 @@
 #include "speech/language/asker.h"
 #include "speech/program/execute.h"
 #include "tests/ltm/expect_status.h"
+#include "tests/speech/known_kitchen.h"
 #include "tests/speech/remembered_kitchen.h"
 
 namespace engram::speech {
@@ -26,13 +27,10 @@ Program program_of(const char* text) {
 }
 
 /// The names of a question about salt, tea, the table and Ada.
-class ProgramSymbols : public ::testing::Test {
+class ProgramSymbols : public testing::KnownKitchen {
  protected:
   void SetUp() override {
-    kitchen_.live_one_minute();
-    auto facts = KnownFacts::read(kitchen_.memory());
-    ASSERT_OK(facts);
-    facts_ = *std::move(facts);
+    KnownKitchen::SetUp();
     lexicon_.emplace(*facts_);
   }
   AskedNames names(const char* question) {
@@ -42,8 +40,6 @@ class ProgramSymbols : public ::testing::Test {
     return AskedNames(*words, *lexicon_);
   }
 
-  RememberedKitchen kitchen_;
-  std::unique_ptr<KnownFacts> facts_;
   std::optional<Lexicon> lexicon_;
 };
 

@@ -3,19 +3,15 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/ltm/expect_status.h"
-#include "tests/speech/remembered_kitchen.h"
+#include "tests/speech/known_kitchen.h"
 
 namespace engram::speech {
 namespace {
 
-class GrammarOfKitchen : public ::testing::Test {
+class GrammarOfKitchen : public testing::KnownKitchen {
  protected:
   void SetUp() override {
-    kitchen_.live_one_minute();
-    auto facts = KnownFacts::read(kitchen_.memory());
-    ASSERT_OK(facts);
-    facts_ = *std::move(facts);
+    KnownKitchen::SetUp();
     lexicon_ = std::make_unique<Lexicon>(*facts_);
   }
 
@@ -26,8 +22,6 @@ class GrammarOfKitchen : public ::testing::Test {
     return words.ok() ? parse_question(*words, *lexicon_) : ParsedQuestion();
   }
 
-  testing::RememberedKitchen kitchen_;
-  std::unique_ptr<KnownFacts> facts_;
   std::unique_ptr<Lexicon> lexicon_;
 };
 

@@ -4,22 +4,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "speech/facts/known_facts.h"
-#include "tests/ltm/expect_status.h"
-#include "tests/speech/remembered_kitchen.h"
+#include "tests/speech/known_kitchen.h"
 
 namespace engram::speech {
 namespace {
 
-using testing::RememberedKitchen;
-
-class TaggerOfKitchen : public ::testing::Test {
+class TaggerOfKitchen : public testing::KnownKitchen {
  protected:
   void SetUp() override {
-    kitchen_.live_one_minute();
-    auto facts = KnownFacts::read(kitchen_.memory());
-    ASSERT_OK(facts);
-    facts_ = *std::move(facts);
+    KnownKitchen::SetUp();
     lexicon_ = std::make_unique<Lexicon>(*facts_);
   }
 
@@ -39,8 +32,6 @@ class TaggerOfKitchen : public ::testing::Test {
     return WordTag::kUnknown;
   }
 
-  RememberedKitchen kitchen_;
-  std::unique_ptr<KnownFacts> facts_;
   std::unique_ptr<Lexicon> lexicon_;
   std::unique_ptr<Tagger> tagger_ = make_word_tagger();
 };

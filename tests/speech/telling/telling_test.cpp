@@ -6,8 +6,7 @@
 #include "speech/telling/phrases.h"
 #include "speech/telling/tell_outcome.h"
 #include "speech/telling/tell_period.h"
-#include "tests/ltm/expect_status.h"
-#include "tests/speech/remembered_kitchen.h"
+#include "tests/speech/known_kitchen.h"
 
 namespace engram::speech {
 namespace {
@@ -15,19 +14,11 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
-using testing::RememberedKitchen;
 using testing::second;
 using ::testing::SizeIs;
 
-class Telling : public ::testing::Test {
+class Telling : public testing::KnownKitchen {
  protected:
-  void SetUp() override {
-    kitchen_.live_one_minute();
-    auto facts = KnownFacts::read(kitchen_.memory());
-    ASSERT_OK(facts);
-    facts_ = *std::move(facts);
-  }
-
   std::string told(const std::string& text, Time now = second(60)) {
     const auto program = Program::parse(text);
     EXPECT_OK(program);
@@ -35,9 +26,6 @@ class Telling : public ::testing::Test {
     EXPECT_OK(outcome);
     return tell(*outcome, *facts_, DayZone::kUtc);
   }
-
-  RememberedKitchen kitchen_;
-  std::unique_ptr<KnownFacts> facts_;
 };
 
 TEST_F(Telling, SaysWhatWasDoneAndHowItEnded) {
