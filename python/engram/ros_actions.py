@@ -170,10 +170,12 @@ def _messages_of(kind: str) -> dict[str, Any]:
 
 
 def _is_there(client: Any) -> bool:
-    """Whether the action server is connected. By the connections and not by time: that of ROS stands
-    still where a simulator does."""
-    goals, cancels = client.action_client.pub_goal, client.action_client.pub_cancel
-    return bool(goals.get_num_connections() > 0 and cancels.get_num_connections() > 0)
+    """Whether the action server is connected, both ways: a goal that is sent before its feedback and
+    its result can come loses them, and would be waited for without end. By the connections and not
+    by time: that of ROS stands still where a simulator does."""
+    names = ("pub_goal", "pub_cancel", "status_sub", "result_sub", "feedback_sub")
+    topics = (getattr(client.action_client, name) for name in names)
+    return all(topic.get_num_connections() > 0 for topic in topics)
 
 
 def _carried_out(actionlib: ModuleType, client: Any, goal: Any, run: SkillRun) -> SkillEnd:

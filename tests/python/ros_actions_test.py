@@ -14,6 +14,7 @@ import tempfile
 import threading
 import time
 import unittest
+from unittest import mock
 
 import numpy as np
 from actionlib.msg import TestResult
@@ -26,6 +27,7 @@ from tf2_msgs.msg import LookupTransformGoal
 
 import engram
 from engram.errors import InvalidArgumentError
+from engram.ros_actions import _is_there
 from engram.ros_messages import message_of, parameters_of, value_of
 
 PROGRAM = sys.argv.pop()
@@ -121,6 +123,17 @@ class MessagesTest(unittest.TestCase):
         np.testing.assert_array_equal(value["pose"]["orientation"], [1, 0, 0, 0])
 
 
+class ConnectionTest(unittest.TestCase):
+    def test_a_server_is_there_when_goals_and_results_can_pass(self):
+        topics = ("pub_goal", "pub_cancel", "status_sub", "result_sub", "feedback_sub")
+        for missing in ("", *topics):
+            client = mock.Mock()
+            for topic in topics:
+                getattr(client.action_client, topic).get_num_connections.return_value = (
+                    0 if topic == missing else 1)
+            self.assertEqual(_is_there(client), missing == "", missing)
+
+
 class BridgeTest(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -184,7 +197,11 @@ class BridgeTest(unittest.TestCase):
         moved = self.run_skill("ros/base_move", target_pose=AT)
         self.assertEqual((moved.outcome, moved.reason), ("success", "at 1.5, heading 1.0"))
         events = self.memory["Skill/Event/ros/base_move"].snapshots()
-        self.assertEqual([one.value["stage"] for one in events], [0, 1, 1, 1, 2])
+        stages = [one.value["stage"] for one in events]
+        # Feedback and results are topics of their own, so the last feedback may come too late.
+        self.assertEqual((stages[:2], stages[-1]), ([0, 1], 2), stages)
+        self.assertEqual(set(stages[1:-1]), {1}, stages)
+        self.assertLessEqual(len(stages), 5, stages)
 
         far = {"position": [101.0, 0, 0], "orientation": [1.0, 0, 0, 0]}
         aborted = self.run_skill("ros/base_move", target_pose=far)
