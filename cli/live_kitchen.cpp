@@ -172,8 +172,8 @@ LiveBody::Options body_options(const datasets::KitchenOptions& options,
 Status read_given(const std::vector<uint64_t>& seeds, const CLI::App& given,
                   datasets::KitchenOptions& options, LiveKitchenArguments& arguments) {
   if (seeds.size() != 1) return invalid_argument("--live: found {} seeds, needs one", seeds.size());
-  for (const char* batch : {"store", "--folder", "--plain", "--depth", "--no-images", "--jobs",
-                            "--preset", "--config", "--progress"})
+  for (const char* batch : {"store", "--folder", "--plain", "--depth", "--no-images", "--colours",
+                            "--jobs", "--preset", "--config", "--progress"})
     if (given.get_option(batch)->count() > 0)
       return invalid_argument(
           "found --live and {}, which is of recordings: a live kitchen commits to a server "

@@ -117,7 +117,8 @@ Result<datasets::KitchenSummary> record(const KitchenArguments& arguments,
   ENGRAM_ASSIGN_OR_RETURN(const ltm::Recorder::Options recording, recorder_options(arguments));
   ENGRAM_ASSIGN_OR_RETURN(ltm::Recorder recorder,
                           ltm::Recorder::open(store_of(arguments, options.seed), recording));
-  for (const auto& [segment, type] : datasets::kitchen_types(options.has_images))
+  for (const auto& [segment, type] :
+       datasets::kitchen_types(options.has_images, options.has_colours))
     ENGRAM_RETURN_IF_ERROR(recorder.declare(segment, type));
   ENGRAM_ASSIGN_OR_RETURN(
       const datasets::KitchenSummary summary,
@@ -282,6 +283,8 @@ void add_kitchen_command(CLI::App& simulate, ExitCode& exit_code) {
                     "PNG and JSON files instead of stores, with --folder: all that is recorded, "
                     "as engram export --to armarx lays it out");
   kitchen->add_flag("--depth", options.records_depth, "Depth of the left camera too");
+  kitchen->add_flag("--colours", options.has_colours,
+                    "Give each thing a colour by the seed, and record it");
   kitchen->add_option("--jobs", arguments->jobs, "Processes, with --folder")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();

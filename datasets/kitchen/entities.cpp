@@ -66,7 +66,7 @@ ltm::MemoryId action(std::string_view skill) {
 
 }  // namespace kitchen::entities
 
-std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types(bool has_images) {
+std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types(bool has_images, bool has_colours) {
   namespace of = kitchen::entities;
   const auto core = [](const ltm::MemoryId& entity) { return entity.parent().parent(); };
   const kitchen::ThingClass& any = kitchen::all_thing_classes().front();
@@ -77,7 +77,8 @@ std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types(bool has_images) 
       {core(of::platform()), ::kitchen::PlatformState::idf_type()},
       {core(of::object_class(any)), ::kitchen::ObjectClass::idf_type()},
       {core(of::surface(kitchen::Surface::kTable)), ::kitchen::Surface::idf_type()},
-      {core(of::object(any)), ::kitchen::ObjectInstance::idf_type()},
+      {core(of::object(any)), has_colours ? ::kitchen::ColouredInstance::idf_type()
+                                          : ::kitchen::ObjectInstance::idf_type()},
       {core(of::speech()), ::kitchen::Speech::idf_type()},
       {core(of::plan()), ::kitchen::Plan::idf_type()}};
   if (has_images) {

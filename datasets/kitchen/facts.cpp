@@ -118,8 +118,8 @@ idf::Data view(const idf::NdArray& image, const Pose& pose_world_camera,
 }
 
 idf::Data object(const ltm::MemoryId& object_class, const Pose& pose, bool is_visible,
-                 std::string_view held_by, const Links& links) {
-  ::kitchen::ObjectInstance instance;
+                 std::string_view held_by, const Links& links, std::string_view colour) {
+  ::kitchen::ColouredInstance instance;
   instance.object_class = object_class;
   instance.pose_world_object = recorded(pose);
   instance.is_visible = is_visible;
@@ -127,7 +127,8 @@ idf::Data object(const ltm::MemoryId& object_class, const Pose& pose, bool is_vi
   instance.image = links.image;
   instance.joints = links.joints;
   instance.platform = links.platform;
-  return instance.to_idf();
+  instance.colour = colour;
+  return colour.empty() ? instance.ObjectInstance::to_idf() : instance.to_idf();
 }
 
 }  // namespace engram::datasets::kitchen::facts

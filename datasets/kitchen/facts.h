@@ -39,7 +39,9 @@ struct Links {
 /// Shape of `image`: uint8 [height, width, 3], RGB.
 [[nodiscard]] idf::Data view(const idf::NdArray& image, const Pose& pose_world_camera,
                              const ltm::MemoryId& calibration, const Links& links);
+/// `colour`: empty: the value has no such member.
 [[nodiscard]] idf::Data object(const ltm::MemoryId& object_class, const Pose& pose, bool is_visible,
-                               std::string_view held_by, const Links& links);
+                               std::string_view held_by, const Links& links,
+                               std::string_view colour = {});
 
 }  // namespace engram::datasets::kitchen::facts

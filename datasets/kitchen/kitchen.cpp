@@ -4,6 +4,7 @@
 #include "datasets/kitchen/episode.h"
 #include "datasets/kitchen/kitchen_layout.h"
 #include "datasets/kitchen/renderer.h"
+#include "datasets/kitchen/thing_colours.h"
 
 namespace engram::datasets {
 
@@ -52,8 +53,9 @@ Result<KitchenSummary> simulate_kitchen(const KitchenOptions& options, const Com
                                         const ProgressSink& progress) {
   ENGRAM_RETURN_IF_ERROR(options.validate());
   const kitchen::DrawingSize size = kitchen::drawing_size(options);
-  ENGRAM_ASSIGN_OR_RETURN(kitchen::World world,
-                          kitchen::World::create(kitchen::make_layout(options.seed), size));
+  kitchen::Layout layout = kitchen::make_layout(options.seed);
+  if (options.has_colours) kitchen::give_colours(layout);
+  ENGRAM_ASSIGN_OR_RETURN(kitchen::World world, kitchen::World::create(layout, size));
   std::unique_ptr<kitchen::Renderer> renderer;
   if (options.has_images) {
     ENGRAM_ASSIGN_OR_RETURN(renderer, kitchen::Renderer::create(world, size));

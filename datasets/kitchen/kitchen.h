@@ -29,6 +29,9 @@ struct KitchenOptions {
   /// Also records the depth of the left camera, which adds 12 MB per second at 640 x 480. Needs
   /// images.
   bool records_depth = false;
+  /// Gives each thing a colour by the seed, which its snapshots tell in a member `colour`. Nothing
+  /// else of the recording changes, but for the pixels.
+  bool has_colours = false;
   /// The time of the first snapshot. Must be after 1970 and before 2200.
   Time start = time_from_ns(1'767'254'400'000'000'000);  // 2026-01-01 08:00
 
@@ -51,9 +54,9 @@ struct KitchenSummary {
 using CommitSink = std::function<Status(const ltm::Commit&)>;
 
 /// Returns the core segments of a kitchen recording with the types of their values; without those
-/// of `Vision` where there are no images.
+/// of `Vision` where there are no images. Objects have the member `colour` where things have one.
 [[nodiscard]] std::vector<std::pair<ltm::MemoryId, idf::Type>> kitchen_types(
-    bool has_images = true);
+    bool has_images = true, bool has_colours = false);
 
 /// Simulates a humanoid with 43 joints on a platform. It is asked to bring objects from a counter
 /// to a table and back, and what it perceives and does is recorded: stereo images at 20 Hz, joints

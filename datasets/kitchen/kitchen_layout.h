@@ -10,6 +10,8 @@
 
 namespace engram::datasets::kitchen {
 
+struct NamedColour;
+
 /// One object of a recording.
 struct Thing {
   const ThingClass* type = nullptr;  ///< An element of all_thing_classes().
@@ -17,6 +19,8 @@ struct Thing {
   int slot = 0;
   double forward_m = 0;  ///< Offset from the middle of the slot, away from a person in front of it.
   double turn_rad = 0;   ///< Rotation to the left from the direction away from that person.
+  /// An element of thing_colours(); null: it looks as its kind does, and no colour is recorded.
+  const NamedColour* colour = nullptr;
 };
 
 struct Lighting {

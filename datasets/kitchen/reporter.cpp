@@ -6,6 +6,7 @@
 #include "datasets/kitchen/entities.h"
 #include "datasets/kitchen/recorded_skills.h"
 #include "datasets/kitchen/robot_urdf.h"
+#include "datasets/kitchen/thing_colours.h"
 #include "ltm/typed/image.h"
 
 namespace engram::datasets::kitchen {
@@ -136,7 +137,8 @@ void Reporter::add_objects(uint64_t sample) {
         {facts::object(
             entities::object_class(*things[i].type).at(time_of(0)).instance(0), pose,
             pinhole.shows(pose_camera_world * pose.translation(), size_) && world_.is_in_sight(i),
-            held_by, links_at(time))},
+            held_by, links_at(time),
+            things[i].colour == nullptr ? std::string_view() : things[i].colour->name)},
         "localization");
   }
 }

@@ -3,6 +3,7 @@
 
 #include "datasets/kitchen/model_text.h"
 #include "datasets/kitchen/textures.h"
+#include "datasets/kitchen/thing_colours.h"
 
 namespace engram::datasets::kitchen {
 
@@ -48,7 +49,7 @@ std::string geoms_of(const ThingClass& type) {
 
 void add_things(const Layout& layout, ModelText& text) {
   for (const Thing& thing : layout.things) {
-    const ThingClass& type = *thing.type;
+    const ThingClass type = drawn_class(thing);
     text.add_material(
         std::string(type.name), [&] { return paint_thing(type, kFacePixels, layout.seed); }, true,
         1, 1, R"(specular="0.3" shininess="0.5")");

@@ -77,6 +77,18 @@ TEST(SimulateKitchen, RecordsAllButImages) {
   EXPECT_EQ(run_engram({"simulate", "kitchen", "--live", "--no-images"}).exit_code, 2);
 }
 
+TEST(SimulateKitchen, GivesThingsColours) {
+  const ScratchDirectory directory;
+  const std::string store = directory / "coloured.engram";
+  const RunResult made =
+      run_engram({"simulate", "kitchen", store, "--colours", "--no-images", "--seconds", "1"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const RunResult asked = run_engram({"query", store, "Objects/Instances @ latest", "--json"});
+  EXPECT_THAT(asked.out, HasSubstr(R"("colour": ")"));
+  // What was recorded without colours has another type.
+  EXPECT_EQ(run_engram({"simulate", "kitchen", "--live", "--colours"}).exit_code, 2);
+}
+
 TEST(SimulateKitchen, WritesPlainFiles) {
   const ScratchDirectory directory;
   const std::string folder = directory / "plain";

@@ -245,6 +245,55 @@ TEST_F(KitchenEpisode, IsTheSameWithoutImages) {
       EXPECT_TRUE(plain.contains(link.id)) << id.to_string() << " -> " << link.id.to_string();
 }
 
+TEST_F(KitchenEpisode, IsTheSameWithColoursButForThem) {
+  KitchenOptions options = tiny(1, 38);
+  options.has_colours = true;
+  std::map<std::string, std::set<std::string>> colours;
+  size_t other_pixels = 0;
+  size_t same = 0;
+  for (const ltm::Commit& commit : recorded(options))
+    for (const ltm::EntityUpdate& update : commit.updates)
+      for (size_t i = 0; i < update.instances.size(); ++i) {
+        const ltm::MemoryId id = update.id().instance(static_cast<int32_t>(i));
+        ASSERT_TRUE(values_.contains(id)) << id.to_string();
+        const idf::Data& plain = values_.at(id);
+        idf::Data data = update.instances[i].data;
+        if (id.names()[0] == "Vision" && id.names()[1] == "RGB") {
+          other_pixels += *data.at("image") == *plain.at("image") ? 0 : 1;
+          continue;
+        }
+        if (id.names()[0] == "Objects" && id.names()[1] == "Instances") {
+          const std::string* colour = data.at("colour")->get_if<std::string>();
+          ASSERT_NE(colour, nullptr);
+          colours[id.names()[3]].insert(*colour);
+          data = ::kitchen::ObjectInstance::from_idf(data)->to_idf();
+        }
+        ASSERT_TRUE(data == plain) << id.to_string();
+        ++same;
+      }
+  EXPECT_GT(same, 7600U);
+  EXPECT_GT(other_pixels, 100U);
+  std::set<std::string> words;
+  for (const auto& [thing, told] : colours) {
+    EXPECT_EQ(told.size(), 1U) << thing;
+    words.insert(told.begin(), told.end());
+    if (thing == "blue_mug_1") {
+      EXPECT_EQ(*told.begin(), "blue");
+    }
+  }
+  EXPECT_GE(words.size(), 3U);
+  EXPECT_TRUE(std::ranges::includes(
+      std::set<std::string>{"red", "yellow", "green", "turquoise", "blue", "purple"}, words));
+}
+
+TEST(Kitchen, TellsOfColoursInTheTypeOnlyWhereThereAreSome) {
+  for (const bool has_colours : {false, true})
+    for (const auto& [segment, type] : kitchen_types(false, has_colours)) {
+      if (segment.to_string() != "Objects/Instances") continue;
+      EXPECT_EQ(type == ::kitchen::ObjectInstance::idf_type(), !has_colours);
+    }
+}
+
 TEST(Kitchen, TellsWhatIsWrongWithItsOptions) {
   KitchenOptions options = KitchenOptions::fast();
   options.width = 127;
