@@ -287,7 +287,8 @@ bool keeps(const Program& program, const EpisodeGroup& group, const AskedNames& 
 AttentionInput::Traits traits_of(const EpisodeGroup& group, const AskedNames& names, Time now) {
   TraitWriter writer;
   writer.add_one_of(static_cast<size_t>(group.source), 7);
-  writer.add_one_of(group.outcome ? static_cast<size_t>(*group.outcome) : kOutcomeCount, kOutcomeCount);
+  writer.add_one_of(group.outcome ? static_cast<size_t>(*group.outcome) : kOutcomeCount,
+                    kOutcomeCount);
   writer.add_flags(group.has_thing);
   writer.add_flags(group.has_place);
   writer.add_flags(group.has_hand);

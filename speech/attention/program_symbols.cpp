@@ -32,8 +32,9 @@ constexpr std::array kSteps{
     StepKind::kHowLong,     StepKind::kHowFar,       StepKind::kWhere,     StepKind::kFrom,
     StepKind::kWho,         StepKind::kWhoStopped,   StepKind::kSaid,      StepKind::kWhy,
     StepKind::kReason,      StepKind::kSucceeded,    StepKind::kRetried,   StepKind::kInstead,
-    StepKind::kInsteadNext, StepKind::kInsteadWhere, StepKind::kHolder,    StepKind::kIsVisible};
-constexpr std::array<const char*, 5> kWhat{"thing", "hand", "skill", "place", "person"};
+    StepKind::kInsteadNext, StepKind::kInsteadWhere, StepKind::kHolder,    StepKind::kIsVisible,
+    StepKind::kWasMoved};
+constexpr std::array kWhat{"thing", "hand", "skill", "place", "person", "colour"};
 constexpr std::array<const char*, 5> kOutcomes{"success", "failure", "stop", "running", "problem"};
 /// Which of the names of a question; "all" are those of a kind, joined by commas.
 constexpr std::array<const char*, 4> kPointers{"0", "1", "2", "all"};
@@ -316,6 +317,7 @@ const std::vector<std::string>& program_symbols() {
     for (const StepKind step : kSteps) all.emplace_back(name_of(step));
     for (const StepKind step : {StepKind::kWhich, StepKind::kHowMany})
       for (const char* what : kWhat) all.push_back(text(name_of(step), '=', what));
+    all.push_back(text(name_of(StepKind::kHowMany), '=', "step"));
     for (const char* nth : {"2", "3", "4", "5"})
       all.push_back(text(name_of(StepKind::kNth), '=', nth));
     for (const char* pointer : kPointers)

@@ -45,7 +45,8 @@ struct ThingState {
   Time time{};
   std::optional<Spot> spot;
   std::optional<bool> is_visible;
-  std::string held_by;  ///< The words of the hand; empty: nothing holds it.
+  std::string held_by;   ///< The words of the hand; empty: nothing holds it.
+  std::string colour{};  ///< Its word: "red"; empty: it is not told.
 };
 
 /// Which things and places there are, what they are called, and what is where.

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "ltm/core/ascii.h"
 #include "ltm/idf/json.h"
 #include "speech/facts/fact_members.h"
 
@@ -214,6 +215,7 @@ ThingState read_thing_state(const ltm::MemoryId& id, const idf::Data& value) {
   ThingState state{
       id, *id.time(), spot_in(value, "pose_world_"), {}, hand_named(text_in(value, "held_by"))};
   if (const auto visible = integer_in(value, "is_visible")) state.is_visible = *visible != 0;
+  state.colour = lower_ascii(text_in(value, "colour"));
   return state;
 }
 

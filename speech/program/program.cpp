@@ -14,14 +14,14 @@ constexpr std::array<std::string_view, 7> kSourceNames{"executions", "words",  "
 constexpr std::array<std::string_view, 14> kFilterNames{
     "skill", "thing", "place",   "hand",   "outcome", "speaker", "text",
     "kind",  "held",  "visible", "during", "at",      "after",   "before"};
-constexpr std::array<std::string_view, 39> kStepNames{
+constexpr std::array<std::string_view, 40> kStepNames{
     "first",     "last",         "nth",           "longest",     "shortest",  "previous",
     "next",      "first_seen",   "last_seen",     "count",       "exists",    "none",
     "how_many",  "events",       "when",          "ago",         "ended",     "span",
     "how_long",  "how_far",      "where",         "from",        "who",       "who_stopped",
     "which",     "said",         "why",           "reason",      "succeeded", "retried",
     "instead",   "instead_next", "instead_where", "instead_has", "holder",    "is_visible",
-    "more_than", "less_than",    "equals"};
+    "was_moved", "more_than",    "less_than",     "equals"};
 
 template <typename Enum, size_t kCount>
 std::optional<Enum> enumerator_named(const std::array<std::string_view, kCount>& names,

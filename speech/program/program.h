@@ -57,7 +57,8 @@ enum class StepKind {
   kCount,
   kExists,
   kNone,     ///< Whether there are none.
-  kHowMany,  ///< how_many=thing counts different things, hands, skills or places.
+  kHowMany,  ///< how_many=thing counts different things, hands, skills, places, persons or colours;
+             ///< how_many=step the steps of plans.
   kEvents,
   kWhen,
   kAgo,  ///< How long that is ago.
@@ -69,7 +70,7 @@ enum class StepKind {
   kFrom,          ///< The place where it began.
   kWho,           ///< Whose words these are, or caused this.
   kWhoStopped,    ///< Whose words stopped it.
-  kWhich,         ///< which=thing, hand, skill or place.
+  kWhich,         ///< which=thing, hand, skill, place, person or colour.
   kSaid,          ///< The words, or those that caused this.
   kWhy,           ///< What caused it, by its links.
   kReason,        ///< Why it ended as it did.
@@ -81,6 +82,7 @@ enum class StepKind {
   kInsteadHas,    ///< instead_has=place: whether one of them has this skill.
   kHolder,
   kIsVisible,
+  kWasMoved,  ///< Whether the thing was ever elsewhere than at first.
   // The value, compared with that of another program.
   kMoreThan,
   kLessThan,

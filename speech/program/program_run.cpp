@@ -132,9 +132,7 @@ Status ProgramRun::apply(const ProgramStep& step, const RecordFilter& filter) {
         outcome_.value = answers::Seconds{to_seconds(now_ - moment->value)};
       return {};
     case StepKind::kHowMany:
-      tell_which(step.argument->text);
-      if (const auto* names = std::get_if<answers::Names>(&outcome_.value))
-        outcome_.value = answers::Count{static_cast<int64_t>(names->value.size())};
+      tell_how_many(step.argument->text);
       return {};
     case StepKind::kWho:
       return tell_who();
@@ -200,6 +198,11 @@ Status ProgramRun::compare(const ProgramStep& step) {
   std::optional<std::partial_ordering> order;
   if (moment != nullptr && other_moment != nullptr) order = moment->value <=> other_moment->value;
   if (number && other_number) order = *number <=> *other_number;
+  // Names are equal or not.
+  if (std::holds_alternative<answers::Names>(outcome_.value) &&
+      std::holds_alternative<answers::Names>(other.value))
+    order = outcome_.value == other.value ? std::partial_ordering::equivalent
+                                          : std::partial_ordering::unordered;
   if (!order) {
     miss("both are of other kinds");
     return {};

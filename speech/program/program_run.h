@@ -42,6 +42,7 @@ class ProgramRun {
   void tell_when();
   Status tell_who();
   void tell_which(const std::string& what);
+  void tell_how_many(const std::string& what);
   Status tell_said();
 
   // Steps on no record at all (nothing_steps.cpp).
@@ -80,6 +81,8 @@ class ProgramRun {
   void tell_is_at(StepKind kind, const RecordFilter& filter);
   void tell_holder();
   void tell_visible(const RecordFilter& filter);
+  Status tell_moved(const RecordFilter& filter);
+  void tell_moved_by_deeds();
   [[nodiscard]] bool is_in_sight(const ThingState& state, const RecordFilter& filter) const;
   /// The moment that is asked about, now where none is.
   [[nodiscard]] Time moment_of(const RecordFilter& filter) const;

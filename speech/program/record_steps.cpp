@@ -80,9 +80,25 @@ void ProgramRun::tell_which(const std::string& what) {
     outcome_.cite(state.id, "thing");
     if (what == "thing") names.push_back(world.spoken(state.id.entity()));
     if (what == "hand" && !state.held_by.empty()) names.push_back(state.held_by);
+    if (what == "colour" && !state.colour.empty()) names.push_back(state.colour);
   }
   if (names.empty()) miss(fmt::format("no {} is told of it", what));
   outcome_.value = names_of(std::move(names));
+}
+
+void ProgramRun::tell_how_many(const std::string& what) {
+  if (what != "step") {
+    tell_which(what);
+    if (const auto* names = std::get_if<answers::Names>(&outcome_.value))
+      outcome_.value = answers::Count{static_cast<int64_t>(names->value.size())};
+    return;
+  }
+  size_t count = 0;
+  for (const TaskPlan& plan : outcome_.plans) {
+    outcome_.cite(plan.id, "plan");
+    count += plan.steps.size();
+  }
+  outcome_.value = answers::Count{static_cast<int64_t>(count)};
 }
 
 Status ProgramRun::tell_said() {

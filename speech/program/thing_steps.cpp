@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include "speech/program/program_run.h"
 
@@ -13,6 +14,17 @@ bool is_seen(const ThingState& state) {
 
 /// What was in sight so long ago is not in sight now: nobody told that it no longer is.
 constexpr Duration kStaysInSight = std::chrono::seconds(5);
+
+/// What is so far from where it was at first was moved: less is a push, or an error of what saw it.
+constexpr double kMoved_m = 0.3;
+
+bool has_spot(const ThingState& state) {
+  return state.spot.has_value();
+}
+
+double metres_between(const Spot& a, const Spot& b) {
+  return std::hypot(a.x - b.x, a.y - b.y, a.z - b.z);
+}
 
 bool is_among(const std::vector<ltm::MemoryId>& entities, const ltm::MemoryId& entity) {
   return std::find(entities.begin(), entities.end(), entity) != entities.end();
@@ -134,6 +146,8 @@ Status ProgramRun::apply_to_things(const ProgramStep& step, const RecordFilter& 
     case StepKind::kIsVisible:
       tell_visible(filter);
       return {};
+    case StepKind::kWasMoved:
+      return tell_moved(filter);
     default:
       return invalid_argument("program: {} have no step {}", name_of(program_.source),
                               name_of(step.kind));
@@ -214,6 +228,53 @@ void ProgramRun::tell_visible(const RecordFilter& filter) {
     outcome_.cite(state.id, "thing");
   }
   outcome_.value = answers::YesNo{is_visible};
+}
+
+/// Whether one of the things was far from where it was first.
+Status ProgramRun::tell_moved(const RecordFilter& filter) {
+  const auto& [from, to] = filter.begun();
+  const std::vector<ThingState> things = std::move(outcome_.states);
+  outcome_.states.clear();
+  bool is_told = false;
+  for (const ThingState& thing : things) {
+    const ltm::MemoryId entity = thing.id.entity();
+    ENGRAM_ASSIGN_OR_RETURN(const auto first, facts_.first_state(entity, from, to, has_spot));
+    if (!first) continue;
+    is_told = true;
+    outcome_.cite(first->id, "thing");
+    const auto is_elsewhere = [&first](const ThingState& state) {
+      return state.spot && metres_between(*state.spot, *first->spot) >= kMoved_m;
+    };
+    ENGRAM_ASSIGN_OR_RETURN(const auto moved, facts_.last_state(entity, from, to, is_elsewhere));
+    outcome_.cite(moved ? moved->id : thing.id, "thing");
+    outcome_.states.push_back(thing);
+    if (!moved) continue;
+    outcome_.states = {*first, *moved};
+    outcome_.value = answers::YesNo{true};
+    return {};
+  }
+  outcome_.value = answers::YesNo{false};
+  if (is_told) return {};
+  outcome_.states = things;
+  tell_moved_by_deeds();
+  return {};
+}
+
+/// Where no place of the things is told, what was done with them tells that they were moved, but
+/// not that they were not.
+void ProgramRun::tell_moved_by_deeds() {
+  for (const Execution* execution : facts_.executions()) {
+    if (!execution->thing || execution->outcome != ltm::ActionOutcome::kSuccess) continue;
+    const bool is_asked = std::any_of(
+        outcome_.states.begin(), outcome_.states.end(),
+        [&](const ThingState& state) { return state.id.entity() == *execution->thing; });
+    if (!is_asked) continue;
+    outcome_.cite(*execution);
+    outcome_.executions.push_back(*execution);
+  }
+  outcome_.states.clear();
+  if (outcome_.executions.empty()) miss("it is not told where it was");
+  outcome_.value = answers::YesNo{true};
 }
 
 }  // namespace engram::speech

@@ -74,7 +74,7 @@ Status check_text(const ProgramFilter& filter) {
 }
 
 /// What a program has made after some of its steps.
-enum class Made { kMany, kOne, kState, kFlag, kNumber, kMoment, kOther };
+enum class Made { kMany, kOne, kState, kFlag, kNumber, kMoment, kNames, kOther };
 
 bool is_value(Made made) {
   return !is_one_of(made, {Made::kMany, Made::kOne, Made::kState});
@@ -119,7 +119,7 @@ std::optional<Made> made_by(Kind kind, Source source) {
       {Kind::kFrom, {kDone}, Made::kOther},
       {Kind::kWho, {kDone, Source::kWords, Source::kPlans}, Made::kOther},
       {Kind::kWhoStopped, {kDone}, Made::kOther},
-      {Kind::kWhich, {kDone, Source::kWords, Source::kThings, Source::kPlans}, Made::kOther},
+      {Kind::kWhich, {kDone, Source::kWords, Source::kThings, Source::kPlans}, Made::kNames},
       {Kind::kSaid, {kDone, Source::kWords, Source::kPlans}, Made::kOther},
       {Kind::kWhy, {kDone}, Made::kOther},
       {Kind::kReason, {kDone, Source::kRefusals, Source::kDrives}, Made::kOther},
@@ -127,7 +127,8 @@ std::optional<Made> made_by(Kind kind, Source source) {
       {Kind::kRetried, {kDone}, Made::kFlag},
       {Kind::kInstead, {kDone}, Made::kOther},
       {Kind::kHolder, {Source::kThings}, Made::kOther},
-      {Kind::kIsVisible, {Source::kThings}, Made::kFlag}};
+      {Kind::kIsVisible, {Source::kThings}, Made::kFlag},
+      {Kind::kWasMoved, {Source::kThings}, Made::kFlag}};
   for (const ValueStep& step : kValueSteps)
     if (step.kind == kind && is_one_of(source, step.sources)) return step.makes;
   return {};
@@ -194,7 +195,7 @@ class ProgramValidator {
     return *value;
   }
 
-  static Status check_argument(const ProgramStep& step) {
+  [[nodiscard]] Status check_argument(const ProgramStep& step) const {
     const std::string_view name = name_of(step.kind);
     const bool needs =
         is_one_of(step.kind, {Kind::kNth, Kind::kWhich, Kind::kHowMany, Kind::kInsteadHas});
@@ -208,21 +209,27 @@ class ProgramValidator {
         return invalid_argument("program: step nth is '{}', needs a number from 1 to 9999",
                                 printable(text));
     }
-    if (is_one_of(step.kind, {Kind::kWhich, Kind::kHowMany})) {
-      const std::string& text = step.argument->text;
-      if (text != "thing" && text != "hand" && text != "skill" && text != "place" &&
-          text != "person")
-        return invalid_argument(
-            "program: step {} is '{}', needs thing, hand, skill, place or person", name,
-            printable(text));
-    }
-    return {};
+    return is_one_of(step.kind, {Kind::kWhich, Kind::kHowMany}) ? check_what(step) : Status();
+  }
+
+  [[nodiscard]] Status check_what(const ProgramStep& step) const {
+    std::vector<std::string_view> choices{"thing", "hand", "skill", "place", "person"};
+    if (program_.source == Source::kThings) choices.emplace_back("colour");
+    if (program_.source == Source::kPlans && step.kind == Kind::kHowMany)
+      choices.emplace_back("step");
+    const std::string& text = step.argument->text;
+    if (std::find(choices.begin(), choices.end(), text) != choices.end()) return {};
+    return invalid_argument("program: step {} is '{}', needs one of {}", name_of(step.kind),
+                            printable(text), fmt::join(choices, ", "));
   }
 
   static Result<Made> made_by_comparison(Made made, const ProgramStep& step, int depth) {
     const std::string_view name = name_of(step.kind);
-    if (made != Made::kNumber && made != Made::kMoment)
-      return invalid_argument("program: {} needs a number or a time before it", name);
+    const bool has_order = is_one_of(made, {Made::kNumber, Made::kMoment});
+    if (!has_order && (made != Made::kNames || step.kind != Kind::kEquals))
+      return invalid_argument(
+          "program: {} needs {} before it", name,
+          step.kind == Kind::kEquals ? "a number, a time or names" : "a number or a time");
     if (!step.argument || step.argument->program == nullptr)
       return invalid_argument("program: step {} needs a program in parentheses", name);
     ENGRAM_ASSIGN_OR_RETURN(const Made other,

@@ -38,6 +38,9 @@ class OutcomeTeller {
       return is_search && !answer.value ? fmt::format("No. I remember no {}.", outcome_.looked_for)
                                         : word + ".";
     }
+    const bool is_of_move = outcome_.program.has_step(StepKind::kWasMoved);
+    if (is_of_move && answer.value && outcome_.states.size() == 2)
+      return fmt::format("{}. {}", word, told_move());
     if (!outcome_.states.empty()) return fmt::format("{}. {}", word, told_state());
     return fmt::format("{}. {}", word, told_executions());
   }
@@ -100,7 +103,13 @@ class OutcomeTeller {
     const std::string what = last != nullptr && last->argument ? last->argument->text : "";
     if (what == "hand" || (last != nullptr && last->kind == StepKind::kHolder))
       return sentence(my_hands(answer.value));
+    if (what == "skill" && outcome_.plans.size() == 1 && !outcome_.plans.front().steps.empty())
+      return sentence("my plan was to " + steps_phrase(outcome_.plans.front().steps));
     if (what == "skill") return sentence(joined(names));
+    if (what == "colour")
+      return sentence(outcome_.states.size() == 1
+                          ? thing_of(outcome_.states.front()) + " is " + joined(names)
+                          : joined(names));
     for (std::string& name : names) name = with_article(name);
     const bool is_place = last != nullptr && (last->kind == StepKind::kWhere ||
                                               last->kind == StepKind::kFrom || what == "place");
@@ -177,24 +186,40 @@ class OutcomeTeller {
     return fmt::format("Nothing, as I saw it {}.", spoken_time(seen, outcome_.now, zone_));
   }
 
+  /// "on the table", "in my left hand"
+  [[nodiscard]] std::string where_phrase(const ThingState& state) const {
+    if (!state.held_by.empty()) return "in " + my_hands({state.held_by});
+    if (!state.spot) return "at no place that I know";
+    const KnownPlace* place = world_.under(*state.spot);
+    return place != nullptr
+               ? "on the " + printable(place->spoken)
+               : fmt::format("at x {:.2f} m, y {:.2f} m", state.spot->x, state.spot->y);
+  }
+
   /// Where the first thing was, and when that was seen.
   [[nodiscard]] std::string told_state() const {
     const ThingState& state = outcome_.states.front();
     const std::string when = spoken_time(state.time, outcome_.now, zone_);
-    const KnownPlace* place =
-        state.spot && state.held_by.empty() ? world_.under(*state.spot) : nullptr;
-    std::string where = "was at no place that I know";
-    if (state.spot && state.held_by.empty())
-      where = fmt::format("was at x {:.2f} m, y {:.2f} m", state.spot->x, state.spot->y);
-    if (!state.held_by.empty()) where = "was in " + my_hands({state.held_by});
-    if (place != nullptr) where = fmt::format("was on the {}", printable(place->spoken));
-    return sentence(fmt::format("{} {} {}", when, thing_of(state), where));
+    return sentence(fmt::format("{} {} was {}", when, thing_of(state), where_phrase(state)));
+  }
+
+  /// Where the thing was first, and where it was then.
+  [[nodiscard]] std::string told_move() const {
+    const ThingState& first = outcome_.states.front();
+    const ThingState& moved = outcome_.states.back();
+    return sentence(fmt::format(
+        "{} {} was {}, and {} {}", spoken_time(first.time, outcome_.now, zone_), thing_of(first),
+        where_phrase(first), spoken_time(moved.time, outcome_.now, zone_), where_phrase(moved)));
   }
 
   [[nodiscard]] std::string told_steps() const {
-    std::vector<std::string> steps;
-    for (const PlannedStep& step : outcome_.steps) steps.push_back(base_phrase(step, world_));
-    return sentence("by my plan I would have gone on to " + joined(steps));
+    return sentence("by my plan I would have gone on to " + steps_phrase(outcome_.steps));
+  }
+
+  [[nodiscard]] std::string steps_phrase(const std::vector<PlannedStep>& steps) const {
+    std::vector<std::string> phrases;
+    for (const PlannedStep& step : steps) phrases.push_back(base_phrase(step, world_));
+    return joined(phrases);
   }
 
   [[nodiscard]] std::string told_executions() const {

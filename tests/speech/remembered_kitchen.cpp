@@ -125,7 +125,9 @@ void RememberedKitchen::see(double at, const std::string& thing, double x, doubl
          {{"object_class", link("Objects/Classes/kitchen/" + kind, second(0))},
           {"pose_world_object", pose(x, y, z, 0)},
           {"is_visible", is_visible},
-          {"held_by", held_by}});
+          {"held_by", held_by},
+          // Nobody told those of the others.
+          {"colour", thing == "salt_box_1" ? "White" : ""}});
 }
 
 void RememberedKitchen::put_surface(double at, const std::string& name, double x, double y) {

@@ -28,6 +28,35 @@ TEST_F(Executing, SelectsAndFilters) {
   EXPECT_EQ(value_of("executions | longest | which=skill"), R"(["pick"])");
 }
 
+TEST_F(Executing, TellsWhatWasMoved) {
+  const Outcome moved = outcome_of("things thing=salt | was_moved");
+  EXPECT_EQ(moved.value, AnswerValue(answers::YesNo{true}));
+  ASSERT_EQ(moved.evidence.size(), 2u);
+  EXPECT_EQ(moved.evidence[0].id.time(), second(0));
+  EXPECT_EQ(moved.evidence[1].id.time(), second(60));
+  EXPECT_EQ(value_of("things thing=tea | was_moved"), "false");
+  EXPECT_EQ(value_of("things thing=juice | was_moved"), "unknown: no thing is called juice");
+  // Before it was moved, and after it.
+  EXPECT_EQ(value_of("things thing=salt before=08:00:10 | was_moved"), "false");
+  EXPECT_EQ(value_of("things thing=salt after=08:00:20 | was_moved"), "false");
+  now_ = second(10);
+  EXPECT_EQ(value_of("things thing=salt | was_moved"), "false");
+}
+
+TEST_F(Executing, TellsColoursStepsAndTheSameHand) {
+  EXPECT_EQ(value_of("things thing=salt | which=colour"), R"(["white"])");
+  EXPECT_EQ(value_of("things thing=tea | which=colour"), "unknown: no colour is told of it");
+  EXPECT_EQ(value_of("plans | last | which=skill"), R"(["look","navigate","pick","place"])");
+  EXPECT_EQ(value_of("plans | last | how_many=step"), "5");
+  EXPECT_EQ(value_of("plans | how_many=step"), "10");
+  constexpr const char* kHands =
+      "executions skill=pick thing=salt | last | which=hand | equals=(executions skill=pick "
+      "thing={} "
+      "| last | which=hand)";
+  EXPECT_EQ(value_of(fmt::format(kHands, "tea")), "false");
+  EXPECT_EQ(value_of(fmt::format(kHands, "salt")), "true");
+}
+
 TEST_F(Executing, KeepsToTimes) {
   EXPECT_EQ(value_of("executions during=last:30s | count"), "3");
   EXPECT_EQ(value_of("executions at=08:00:05 | which=skill"), R"(["pick"])");

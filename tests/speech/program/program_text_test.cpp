@@ -59,7 +59,7 @@ TEST(ProgramText, NamesWhatDoesNotFit) {
   fails("executions after=(executions | count) | count", "needs one that ends in when or ended");
   fails("executions | nth=0 | when", "needs a number from 1");
   fails("executions | last=3 | when", "step last needs no value");
-  fails("executions | which=colour", "needs thing, hand, skill, place or person");
+  fails("executions | which=colour", "needs one of thing, hand, skill, place, person");
   fails("executions | count | more_than=3", "needs a program in parentheses");
   fails("executions | count | more_than=(executions | when)", "same kind of value");
   fails("things skill=pick | count", "things have no filter skill");

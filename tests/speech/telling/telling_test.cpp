@@ -28,6 +28,16 @@ class Telling : public testing::KnownKitchen {
   }
 };
 
+TEST_F(Telling, SaysColoursPlansAndWhatWasMoved) {
+  EXPECT_EQ(told("things thing=salt | which=colour"), "The salt is white.");
+  EXPECT_EQ(told("things thing=salt | was_moved"),
+            "Yes. At 08:00:00 the salt was on the counter, and at 08:01:00 on the table.");
+  EXPECT_EQ(told("things thing=tea | was_moved"), "No. At 08:01:00 the tea was on the counter.");
+  EXPECT_THAT(told("plans | last | which=skill"),
+              HasSubstr("My plan was to look for the tea, drive to the counter for the tea, "));
+  EXPECT_EQ(told("plans | last | how_many=step"), "5 steps.");
+}
+
 TEST_F(Telling, SaysWhatWasDoneAndHowItEnded) {
   EXPECT_EQ(told("executions skill=pick | first | events"),
             "At 08:00:04 I tried to pick up the salt from the counter with my right hand, but "
