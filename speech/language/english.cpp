@@ -34,7 +34,7 @@ constexpr std::string_view kGrammarLemmas =
     "spring autumn year month already yet away word sentence instruction come travel arrive reach "
     "stay located sit lie lay possess current empty full change receive continue achievement "
     "success destination called each detect appear closer nearer average newest oldest event "
-    "behalf";
+    "behalf colour";
 
 constexpr std::string_view kFillers =
     "a an the my your our his her their its i me we us mine yours ours please kindly thanks thank "

@@ -137,8 +137,9 @@ bool asks_for_future(const QuestionParts& parts) {
   if (parts.times.is_future) return true;
   if (main.has_any({"will", "shall"})) return true;
   if (main.has("should") && !main.has_any({"say", "ask", "tell", "want"})) return true;
-  return main.has_words({"going", "to"}) && (main.has("you") || main.has("robot")) &&
-         !main.has("was") && !main.has("were");
+  // Who is going to the table drives there.
+  return main.has_words({"going", "to"}) && main.places.empty() &&
+         (main.has("you") || main.has("robot")) && !main.has("was") && !main.has("were");
 }
 
 /// What nobody is asked to do who is asked what was.

@@ -332,13 +332,17 @@ bool GrammarRules::asks_about_success() const {
 }
 
 GrammarRules::Found GrammarRules::program() {
-  if (is_beyond_programs()) return {};
   using Rule = Found (GrammarRules::*)();
+  for (const Rule rule :
+       {&GrammarRules::planned, &GrammarRules::same_hand, &GrammarRules::where_when_seen})
+    if (Found found = (this->*rule)()) return says_all(*found) ? found : Found();
+  if (is_beyond_programs()) return {};
   constexpr Rule kRules[] = {
       &GrammarRules::instead,  &GrammarRules::unfinished, &GrammarRules::who,
       &GrammarRules::why,      &GrammarRules::when,       &GrammarRules::amounts,
-      &GrammarRules::which,    &GrammarRules::where,      &GrammarRules::holding,
-      &GrammarRules::compared, &GrammarRules::whether,    &GrammarRules::what};
+      &GrammarRules::coloured, &GrammarRules::which,      &GrammarRules::where,
+      &GrammarRules::holding,  &GrammarRules::compared,   &GrammarRules::whether,
+      &GrammarRules::what};
   for (const Rule rule : kRules)
     if (Found found = (this->*rule)()) return says_all(*found) ? found : Found();
   return {};

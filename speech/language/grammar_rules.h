@@ -44,9 +44,14 @@ class GrammarRules {
   // What would have been (rules_of_instead.cpp).
   Found unfinished();
   Found instead();
+  [[nodiscard]] std::string skills_that_would_be() const;
   /// Whether the sentences before the question tell of one of these.
   [[nodiscard]] bool context_has(std::initializer_list<std::string_view> lemmas) const;
   [[nodiscard]] bool context_tells_stop() const;
+
+  // What no other words mean: plans, and the same hand (rules_of_plans.cpp).
+  Found planned();
+  Found same_hand();
 
   // Who, why and when (rules_of_events.cpp).
   Found who();
@@ -69,11 +74,13 @@ class GrammarRules {
   // Where things and the robot are, and what is seen (rules_of_things.cpp).
   Found where();
   Found where_before();
+  Found where_when_seen();
   Found where_gone();
   Found where_done(const std::string& skills);
   Found holding();
   Found on_place();
   Found seeing();
+  Found coloured();
   Found robot_at();
 
   // Yes or no (rules_of_yes_no.cpp).

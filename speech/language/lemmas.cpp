@@ -11,6 +11,7 @@ namespace {
 
 /// A base form, and the forms of it that no ending makes, or that mean the same.
 constexpr std::pair<std::string_view, std::string_view> kForms[] = {
+    {"colour", "colours color colors coloured colored hue tint"},
     {"look", "rummage rummaged rummaging sought examined explored"},
     {"take", "took taken"},
     {"get", "got gotten getting"},

@@ -36,6 +36,7 @@ constexpr Phrase kPhrasesOfThings[] = {
     {"come into sight", "seen"},
     {"came into sight", "seen"},
     {"come in sight", "seen"},
+    {"what is|was the last|latest|final place|spot where|that", "where last"},
     {"caught sight of", "saw"},
     {"catch sight of", "see"},
     {"lay eyes on", "see"},

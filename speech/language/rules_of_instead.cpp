@@ -81,6 +81,18 @@ bool GrammarRules::context_tells_stop() const {
 }
 
 /// "Where would the salt be without the stop?", "What were you going to do when it failed?"
+/// The skills of what would have been done. The verb of what failed is none of it: "If picking up
+/// the salt had worked, would you have placed it?"
+std::string GrammarRules::skills_that_would_be() const {
+  const TaggedWord* would = nullptr;
+  for (const TaggedWord& word : main_.words)
+    if (word.text == "would") would = &word;
+  for (const TaggedWord* verb : main_.verbs)
+    if (would != nullptr && verb > would)
+      if (std::string skills = lexicon_.skills_of(*verb->verb); !skills.empty()) return skills;
+  return skills_of(main_);
+}
+
 GrammarRules::Found GrammarRules::unfinished() {
   const bool is_of_plan = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich ||
                           parts_.asks == Asks::kWhere || parts_.asks == Asks::kWhether ||
@@ -165,8 +177,7 @@ GrammarRules::Found GrammarRules::instead() {
   if (main_.has("next") || main_.has_words({"right", "after"}))
     return program.then(StepKind::kInsteadNext);
   if (parts_.asks == Asks::kWhether) {
-    std::string skills = skills_of(main_);
-    // The verb that was stopped is no verb of what would have been.
+    std::string skills = skills_that_would_be();
     if (skills.empty()) return program.then(StepKind::kInstead);
     return program.then(StepKind::kInsteadHas, std::move(skills));
   }

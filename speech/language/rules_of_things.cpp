@@ -71,6 +71,18 @@ GrammarRules::Found GrammarRules::where_done(const std::string& skills) {
   return program.then(StepKind::kWhere);
 }
 
+/// "Where was the salt when you last saw it?"
+GrammarRules::Found GrammarRules::where_when_seen() {
+  if (parts_.asks != Asks::kWhere || thing().empty() || main_.has_verb() || parts_.beside ||
+      !parts_.times.empty() || !main_.has("when") || !main_.has("you") || !asks_about_sight() ||
+      !main_.has_any({"first", "last"}))
+    return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  program.then(main_.has("first") ? StepKind::kFirstSeen : StepKind::kLastSeen);
+  return program.then(StepKind::kWhere);
+}
+
 GrammarRules::Found GrammarRules::where() {
   const bool is_noun = main_.has_any({"location", "position", "whereabouts"}) &&
                        (parts_.asks == Asks::kWhat || parts_.asks == Asks::kNothing);
@@ -127,6 +139,18 @@ GrammarRules::Found GrammarRules::where() {
   Program program{ProgramSource::kRobot, {}, {}};
   add_moment(program);
   return program.then(StepKind::kWhere);
+}
+
+/// "What colour is the salt?"
+GrammarRules::Found GrammarRules::coloured() {
+  const bool is_what = parts_.asks == Asks::kWhat || parts_.asks == Asks::kWhich ||
+                       parts_.asks == Asks::kNothing || parts_.asks == Asks::kHow;
+  if (!main_.has("colour") || !is_what || thing().empty() || main_.has_verb() || parts_.beside)
+    return {};
+  Program program{ProgramSource::kThings, {}, {}};
+  add_thing(program);
+  add_moment(program);
+  return program.then(StepKind::kWhich, "colour");
 }
 
 /// What the robot holds.

@@ -293,12 +293,10 @@ GrammarRules::Found GrammarRules::whether_of_thing() {
   const bool is_moved =
       !thing().empty() && (main_.has("move") || main_.has("shift")) && main_.places.empty();
   if (is_moved) {
-    Program program = executions();
-    std::erase_if(program.filters,
-                  [](const ProgramFilter& filter) { return filter.key == FilterKey::kSkill; });
-    add_skills(program, {"pick", "place"});
-    program.with(FilterKey::kOutcome, "success");
-    return program.then(StepKind::kExists);
+    Program program{ProgramSource::kThings, {}, {}};
+    add_thing(program);
+    add_times(program);
+    return program.then(StepKind::kWasMoved);
   }
   if (main_.has_verb() && !skills_of(main_).empty()) return {};
   const bool is_of_empty_hand =

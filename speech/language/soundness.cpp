@@ -90,7 +90,7 @@ bool GrammarRules::is_beyond_programs() const {
   const bool is_list = parts_.asks == Asks::kWhich || parts_.asks == Asks::kWhat ||
                        parts_.asks == Asks::kWhere || parts_.asks == Asks::kWho ||
                        parts_.asks == Asks::kHowMany;
-  // No program compares which hands or things were the same, or tells the steps of a plan.
+  // No program compares which things were the same, or tells what is left of a plan.
   if (is_superlative() && main_.has_any({"distance", "far"})) return true;
   if (main_.has("same") || main_.has_any({"closer", "nearer"})) return true;
   if (main_.has("plan") && main_.has_any({"step", "left"}) && !is_cut_off) return true;
@@ -190,7 +190,9 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
   const bool is_cut_off = asks_about_failure() || asks_about_stop();
   const bool is_whether = parts_.asks == Asks::kWhether || parts_.asks == Asks::kNothing;
   const auto& words = main_.words;
-  if (main_.has_any({"never", "except", "besides", "both"})) return false;
+  const bool is_of_both = program.has_step(StepKind::kEquals);
+  if (main_.has_any({"never", "except", "besides"}) || (main_.has("both") && !is_of_both))
+    return false;
   if (main_.has("on_purpose") || main_.has("always") || main_.has_words({"all", "the", "time"}))
     return false;
   const bool is_of_state =
@@ -209,8 +211,8 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
       !main_.has("would"))
     return false;
   if (main_.has_any({"under", "behind", "beside", "inside"})) return false;
-  if (is_whether && main_.things.size() > 1 && !main_.has("or") && !main_.has("than") &&
-      !main_.has_any({"before", "after"}))
+  if (is_whether && main_.things.size() > 1 && !is_of_both && !main_.has("or") &&
+      !main_.has("than") && !main_.has_any({"before", "after"}))
     return false;
   if (main_.places.size() > 1 && !main_.has("or") && !main_.has_any({"than", "before", "after"}))
     return false;
@@ -238,7 +240,9 @@ bool GrammarRules::bounds_are_said(const Program& program) const {
 
 bool GrammarRules::verbs_are_said(const Program& program) const {
   // What these did nothing records: they are read so that they are not taken for names.
-  if (main_.has_any({"drop", "lose", "fall"}) && !asks_about_failure()) return false;
+  // What somebody else lost may be asked for.
+  const bool is_mine = main_.has("i") && has_program_step(program, {StepKind::kLastSeen});
+  if (main_.has_any({"drop", "lose", "fall"}) && !asks_about_failure() && !is_mine) return false;
   const auto& words = main_.words;
   for (size_t at = 0; at + 1 < words.size(); ++at)
     if (words[at].text == "you" &&
