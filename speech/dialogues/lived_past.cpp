@@ -189,6 +189,7 @@ class PastReader {
       ENGRAM_ASSIGN_OR_RETURN(const Eigen::Isometry3d pose, value.pose("pose_world_object"));
       sight.at = pose.translation();
       ENGRAM_ASSIGN_OR_RETURN(sight.held_by, value.text("held_by"));
+      if (const auto* colour = value.find<std::string>("colour")) sight.colour = *colour;
       const bool* visible = value.find<bool>("is_visible");
       sight.is_visible = visible != nullptr && *visible;
       past_.sights[name].push_back(std::move(sight));

@@ -62,6 +62,7 @@ struct LivedSight {
   Eigen::Vector3d at{0, 0, 0};  ///< Frame: world.
   bool is_visible = false;
   std::string held_by;
+  std::string colour;  ///< Empty: it is not recorded.
 };
 
 struct LivedPlace {

@@ -68,6 +68,9 @@ void add_where_now(const AnswerList& list, const std::string& thing, const Lived
            answers::YesNo{!sight.held_by.empty()}, {sight.id});
   list.add("objects", {.what = "is_visible", .when = "now", .thing = thing},
            answers::YesNo{sight.is_visible}, {sight.id});
+  if (!sight.colour.empty())
+    list.add("objects", {.what = "colour", .thing = thing}, answers::Names{{sight.colour}},
+             {sight.id});
 }
 
 void add_places_now(const AnswerList& list) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "speech/dialogues/chosen_dialogues.h"
 #include "tests/ltm/expect_status.h"
@@ -250,7 +251,23 @@ TEST_F(KnownAnswersOfSeed1, TellWhatGoesOn) {
     for (const ltm::MemoryId& id : one.evidence) EXPECT_LE(*id.time(), now) << form_of(one.asked);
 }
 
+TEST(KnownAnswers, KnowColoursThatAreRecorded) {
+  const auto past = LivedPast::read(coloured_kitchen());
+  ASSERT_OK(past);
+  std::map<std::string, AnswerValue> colours;
+  for (const KnownAnswer& one : known_answers(*past, past->last_moment(), 1))
+    if (one.asked.what == "colour") colours.emplace(one.asked.thing, one.value);
+  const auto named = [](const char* colour) { return AnswerValue(answers::Names{{colour}}); };
+  const std::map<std::string, AnswerValue> kExpected{
+      {"cereal", named("turquoise")}, {"coffee", named("blue")}, {"juice", named("turquoise")},
+      {"milk", named("turquoise")},   {"oil", named("red")},     {"salt", named("red")},
+      {"dish soap", named("yellow")}, {"tea", named("yellow")}};
+  EXPECT_EQ(colours, kExpected);
+}
+
 TEST_F(KnownAnswersOfSeed1, KnowWhatDidNotHappen) {
+  EXPECT_TRUE(found("colour", "salt").empty());
+
   size_t checked = 0;
   for (const KnownAnswer& one : known_) {
     if (one.asked.what != "unanswerable:never_done" || !one.asked.place.empty()) continue;

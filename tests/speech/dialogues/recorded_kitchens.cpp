@@ -12,7 +12,7 @@ namespace {
 void record(const std::filesystem::path& store, const datasets::KitchenOptions& options) {
   auto recorder = ltm::Recorder::open(store, {.max_ahead = ltm::AheadLimits::kNone});
   ENGRAM_CHECK(recorder.ok(), "{}", recorder.status().message());
-  for (const auto& [segment, type] : datasets::kitchen_types(false)) {
+  for (const auto& [segment, type] : datasets::kitchen_types(false, options.has_colours)) {
     const Status declared = recorder->declare(segment, type);
     ENGRAM_CHECK(declared.ok(), "{}", declared.message());
   }
@@ -50,6 +50,17 @@ Memory& kitchen_of_seed_1() {
   static RecordedStore store;
   if (store.memory == nullptr) {
     record(store.path(), without_images(1, 60));
+    store.open();
+  }
+  return *store.memory;
+}
+
+Memory& coloured_kitchen() {
+  static RecordedStore store;
+  if (store.memory == nullptr) {
+    datasets::KitchenOptions options = without_images(1, 5);
+    options.has_colours = true;
+    record(store.path(), options);
     store.open();
   }
   return *store.memory;

@@ -14,4 +14,7 @@ Memory& kitchen_of_seed_1();
 /// each at nine in the morning.
 Memory& three_days();
 
+/// 5 s of seed 1, with colours of things.
+Memory& coloured_kitchen();
+
 }  // namespace engram::speech
