@@ -315,8 +315,8 @@ ASK_BARS = PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/ask_bars.p
   build/release/bin/engram build/experiments/ask/engram_make_dialogues
 # What reads questions by attention, of 20 kitchens that are asked nothing later: an hour on a core.
 build/ask/answers.attention: | build
-	build/release/bin/engram simulate kitchen --folder build/ask/learned --no-images --jobs 2 \
-	  --seed 101..120
+	build/release/bin/engram simulate kitchen --folder build/ask/learned --no-images --colours \
+	  --jobs 2 --seed 101..120
 	build/release/bin/engram learn-answers build/ask/learned/*.engram --out $@ \
 	  --budget $(ANSWERS_BUDGET)
 

@@ -47,7 +47,7 @@ def run(*words, **more):
 
 def simulate(arguments):
     """A store of each seed; those that are there are taken as they are."""
-    folder = arguments.work / f"kitchens-{arguments.seconds:g}s"
+    folder = arguments.work / f"coloured-kitchens-{arguments.seconds:g}s"
     folder.mkdir(parents=True, exist_ok=True)
     stores = {seed: folder / f"kitchen-{seed}.engram" for seed in arguments.seeds}
     # A store whose simulation was stopped has no mark beside it.
@@ -57,7 +57,7 @@ def simulate(arguments):
     begin = time.perf_counter()
     if missing:
         run(arguments.engram, "simulate", "kitchen", "--folder", folder, "--no-images",
-            "--seconds", arguments.seconds, "--jobs", arguments.jobs, "--progress", "none",
+            "--colours", "--seconds", arguments.seconds, "--jobs", arguments.jobs, "--progress", "none",
             "--seed", ",".join(map(str, missing)))
         for seed in missing:
             stores[seed].with_suffix(".done").touch()
@@ -73,11 +73,11 @@ def start_of_day(day):
 
 def simulate_days(arguments):
     """One store with a kitchen on each day, all of other seeds."""
-    store = arguments.work / f"days-{arguments.days}-{arguments.seconds:g}s.engram"
+    store = arguments.work / f"coloured-days-{arguments.days}-{arguments.seconds:g}s.engram"
     if not store.with_suffix(".done").exists():
         subprocess.run(["rm", "-rf", "--", str(store)], check=True)
         for day in range(arguments.days):
-            run(arguments.engram, "simulate", "kitchen", store, "--no-images", "--seed",
+            run(arguments.engram, "simulate", "kitchen", store, "--no-images", "--colours", "--seed",
                 arguments.seeds[0] + day, "--seconds", arguments.seconds, "--progress", "none",
                 "--start", start_of_day(day))
         store.with_suffix(".done").touch()
