@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 
 #include "ltm/core/ascii.h"
@@ -189,21 +190,46 @@ int number_named(std::string_view word) {
              : -1;
 }
 
+namespace {
+
+/// A bit for each letter that a word has; what is no letter shares a few.
+uint32_t letters_of(std::string_view word) {
+  uint32_t letters = 0;
+  for (const char letter : word)
+    letters |= uint32_t{1} << (static_cast<unsigned char>(letter) % 32);
+  return letters;
+}
+
+}  // namespace
+
 int letters_apart(std::string_view a, std::string_view b, int max) {
   const auto length = [](std::string_view text) { return static_cast<int>(text.size()); };
   if (std::abs(length(a) - length(b)) > max) return max + 1;
-  // Optimal string alignment; words are short.
-  std::vector<std::vector<int>> cost(a.size() + 1, std::vector<int>(b.size() + 1));
-  for (size_t i = 0; i <= a.size(); ++i) cost[i][0] = static_cast<int>(i);
-  for (size_t j = 0; j <= b.size(); ++j) cost[0][j] = static_cast<int>(j);
-  for (size_t i = 1; i <= a.size(); ++i)
+  // A word is compared with thousands. Each change brings one letter that the other has not at
+  // most.
+  const uint32_t of_a = letters_of(a), of_b = letters_of(b);
+  if (std::popcount(of_a & ~of_b) > max || std::popcount(of_b & ~of_a) > max) return max + 1;
+  // Optimal string alignment, of which only the last three rows are needed.
+  std::vector<int> before_last, last(b.size() + 1), row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) last[j] = static_cast<int>(j);
+  for (size_t i = 1; i <= a.size(); ++i) {
+    row[0] = static_cast<int>(i);
+    int min_of_row = row[0];
     for (size_t j = 1; j <= b.size(); ++j) {
-      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1,
-                             cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      row[j] =
+          std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+        row[j] = std::min(row[j], before_last[j - 2] + 1);
+      min_of_row = std::min(min_of_row, row[j]);
     }
-  return std::min(cost[a.size()][b.size()], max + 1);
+    before_last.swap(last);
+    last.swap(row);
+    row.resize(b.size() + 1);
+    // Two letters that change places lead from the row before this one, too.
+    const int min_before = *std::min_element(before_last.begin(), before_last.end());
+    if (std::min(min_of_row, min_before) > max) return max + 1;
+  }
+  return std::min(last[b.size()], max + 1);
 }
 
 }  // namespace engram::speech

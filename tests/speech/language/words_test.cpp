@@ -4,6 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+#include <string>
+#include <vector>
+
 #include "tests/ltm/expect_status.h"
 
 namespace engram::speech {
@@ -72,6 +77,37 @@ TEST(Words, AreAsFarApartAsTheirLetters) {
   EXPECT_EQ(letters_apart("grasp", "garsp", 2), 1);
   EXPECT_EQ(letters_apart("bread", "break", 2), 1);
   EXPECT_EQ(letters_apart("salt", "elephant", 2), 3);
+}
+
+/// The same by the whole table.
+int apart_by_table(const std::string& a, const std::string& b) {
+  std::vector<std::vector<int>> cost(a.size() + 1, std::vector<int>(b.size() + 1));
+  for (size_t i = 0; i <= a.size(); ++i)
+    for (size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = static_cast<int>(i + j);
+        continue;
+      }
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1,
+                             cost[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return cost[a.size()][b.size()];
+}
+
+TEST(Words, AreAsFarApartAsAWholeTableSays) {
+  std::mt19937 random(1);
+  const auto word = [&] {
+    std::string text(random() % 7, ' ');
+    for (char& letter : text) letter = static_cast<char>('a' + random() % 4);
+    return text;
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const std::string a = word(), b = word();
+    const int max = static_cast<int>(random() % 4);
+    ASSERT_EQ(letters_apart(a, b, max), std::min(apart_by_table(a, b), max + 1)) << a << " " << b;
+  }
 }
 
 TEST(Words, NameNumbers) {
