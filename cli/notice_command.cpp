@@ -5,6 +5,7 @@
 #include "ltm/core/printable.h"
 #include "memory/memory.h"
 #include "speech/noticing/notice_deeds.h"
+#include "speech/noticing/noticed_json.h"
 
 namespace engram::cli {
 
@@ -36,25 +37,6 @@ struct NoticeArguments {
   bool is_json = false;
 };
 
-Json deed_json(const speech::NoticedDeed& deed) {
-  Json json{{"hand", deed.hand},
-            {"thing", deed.thing},
-            {"place", deed.place},
-            {"task", deed.task},
-            {"episode", deed.episode.depth() == 0 ? Json() : Json(deed.episode.to_string())},
-            {"took", to_string(*deed.close_ended.time())},
-            {"let_go", deed.open_began ? Json(to_string(*deed.open_began->time())) : Json()},
-            {"open_before", deed.open_before},
-            {"open_after", deed.open_after}};
-  Json joints = Json::array({deed.close_began.to_string(), deed.close_ended.to_string()});
-  if (deed.open_began && deed.open_ended) {
-    joints.push_back(deed.open_began->to_string());
-    joints.push_back(deed.open_ended->to_string());
-  }
-  json["joints"] = std::move(joints);
-  return json;
-}
-
 std::string deed_text(const speech::NoticedDeed& deed) {
   std::string text = fmt::format("{}  {:<7}  {}", to_string(*deed.close_ended.time()), deed.hand,
                                  deed.thing.empty() ? "something" : printable(deed.thing));
@@ -67,9 +49,7 @@ std::string deed_text(const speech::NoticedDeed& deed) {
 
 Status notice(const NoticeArguments& arguments) {
   speech::NoticeOptions options;
-  options.open = arguments.open == "high"  ? speech::OpenHand::kHigh
-                 : arguments.open == "low" ? speech::OpenHand::kLow
-                                           : speech::OpenHand::kAuto;
+  ENGRAM_ASSIGN_OR_RETURN(options.open, speech::open_hand_named(arguments.open));
   if (!arguments.joints.empty()) {
     ENGRAM_ASSIGN_OR_RETURN(options.joints, ltm::MemoryId::parse(arguments.joints));
   }
@@ -86,12 +66,7 @@ Status notice(const NoticeArguments& arguments) {
     ENGRAM_RETURN_IF_ERROR(memory->close());
   }
   if (arguments.is_json) {
-    Json deeds = Json::array();
-    for (const speech::NoticedDeed& deed : found->deeds) deeds.push_back(deed_json(deed));
-    print_json({{"episodes", found->episodes},
-                {"snapshots", found->snapshots},
-                {"deeds", std::move(deeds)},
-                {"committed", committed}});
+    print_json(speech::to_json(*found, committed));
     return {};
   }
   for (const speech::NoticedDeed& deed : found->deeds) print(deed_text(deed));

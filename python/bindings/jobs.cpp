@@ -14,6 +14,7 @@
 #include "reports/plain/forget_job.h"
 #include "reports/plain/forget_text.h"
 #include "reports/plain/reflection_text.h"
+#include "speech/noticing/noticed_json.h"
 #include "training/fade/erase.h"
 #include "training/fade/fade.h"
 #include "training/night/consolidate.h"
@@ -110,6 +111,28 @@ std::string reflect(const std::string& store, const std::string& query, const st
     if (const Status recorded = ltm::record_reflection(store, found); !recorded.ok())
       raise(recorded);
   return json.dump();
+}
+
+std::string notice(const std::string& store, const std::string& joints, const std::string& open,
+                   bool commits, const py::object& progress) {
+  PythonProgress told(progress);
+  speech::NoticeOptions options;
+  options.open = value_or_raise(speech::open_hand_named(open));
+  if (!joints.empty()) options.joints = value_or_raise(ltm::MemoryId::parse(joints));
+  return told.run([&]() -> Result<std::string> {
+    OpenOptions opened;
+    opened.is_read_only = !commits;
+    ENGRAM_ASSIGN_OR_RETURN(const auto memory, Memory::open(store, opened));
+    ENGRAM_ASSIGN_OR_RETURN(const speech::Noticed found,
+                            speech::notice_deeds(*memory, options, told.sink(), told.stop()));
+    size_t committed = 0;
+    if (commits) {
+      ENGRAM_ASSIGN_OR_RETURN(committed, speech::remember_deeds(*memory, found.deeds));
+      ENGRAM_RETURN_IF_ERROR(memory->close());
+    }
+    return speech::to_json(found, committed)
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  });
 }
 
 std::string forget(const std::string& store, const std::vector<std::string>& targets,

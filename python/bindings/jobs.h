@@ -22,6 +22,11 @@ std::string check(const std::string& store, bool is_deep, const pybind11::object
 std::string reflect(const std::string& store, const std::string& query, const std::string& against,
                     bool with_images, bool commits, const pybind11::object& progress);
 
+/// Looks for what hands took and let go; returns the report of `engram notice --json`. `joints` may
+/// be empty. `commits` writes it into the store.
+std::string notice(const std::string& store, const std::string& joints, const std::string& open,
+                   bool commits, const pybind11::object& progress);
+
 /// Forgets snapshots; returns the report of `engram forget --json`. `config` is a file, or empty.
 std::string forget(const std::string& store, const std::vector<std::string>& targets,
                    const std::string& config, bool is_dry_run, bool erases,

@@ -132,6 +132,7 @@ PYBIND11_MODULE(_core, module) {
       .def("global_codes", &InspectedModel::global_codes)
       .def("predict", &InspectedModel::predict);
   module.def("check", &engram::python::check);
+  module.def("notice", &engram::python::notice);
   module.def("reflect", &engram::python::reflect);
   module.def("forget", &engram::python::forget);
   module.def("consolidate", &engram::python::consolidate);

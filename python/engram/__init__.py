@@ -30,7 +30,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from engram.entity import Entity
     from engram.errors import EngramError
-    from engram.jobs import check, consolidate, forget, reflect
+    from engram.jobs import check, consolidate, forget, notice, reflect
     from engram.likeness import MomentMap, Similar, SimilarMoment
     from engram.memory import Memory, connect, open  # noqa: A004
     from engram.model import Latents, Model, Prediction
@@ -91,6 +91,7 @@ _PLACES = {
     "connect": "engram.memory",
     "consolidate": "engram.jobs",
     "forget": "engram.jobs",
+    "notice": "engram.jobs",
     "open": "engram.memory",
     "provide": "engram.skills",
     "record": "engram.recording",
@@ -138,6 +139,7 @@ __all__ = [
     "connect",
     "consolidate",
     "forget",
+    "notice",
     "open",
     "provide",
     "record",

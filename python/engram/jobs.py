@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What is done to a whole store: consolidate, forget, check, reflect.
+"""What is done to a whole store: consolidate, forget, check, reflect, notice.
 
 Each takes a path or an open Memory, which then sees what came of it, and gives the report that the
 command of the same name prints with `--json`. Ctrl-C, or an exception of `progress`, stops it: all
@@ -162,6 +162,31 @@ def reflect(
     other = "" if against is None else os.fspath(against)
     try:
         report = _core.reflect(_path_of(store), query, other, images, commit, tell)
+    finally:
+        finish()
+    return _conclude(store, report)
+
+
+def notice(
+    store: StoreLike,
+    joints: str = "",
+    *,
+    opened: str = "auto",
+    commit: bool = False,
+    progress: ProgressLike = None,
+) -> Report:
+    """Finds what the robot took and let go in the joints of its hands, where nobody told of it.
+
+    "deeds": each with "hand", "thing" and "place" as its episode's task names them, "took" and
+    "let_go" (times), and "joints", the snapshots that show it. `joints`: their entity; else each
+    below RobotState that has a hand. `opened`: whether the numbers of an open hand are "high" or
+    "low". `commit`: writes them into the store, which can then be asked about them (`Memory.ask`).
+    Raises NotFoundError where nothing has joints of hands, InvalidArgumentError,
+    FailedPreconditionError where others told of all of them, KeyboardInterrupt.
+    """
+    tell, finish = sink_of(progress)
+    try:
+        report = _core.notice(_path_of(store), joints, opened, commit, tell)
     finally:
         finish()
     return _conclude(store, report)

@@ -6,7 +6,7 @@ import tempfile
 import unittest
 
 import engram
-from engram.errors import InvalidArgumentError
+from engram.errors import InvalidArgumentError, NotFoundError
 
 START = 1_767_254_400 * 10**9  # 2026-01-01 08:00:00.
 PICK = "Skill/Event/robot/pick"
@@ -75,6 +75,35 @@ class SpeechTest(unittest.TestCase):
                 memory.commit(PICK, event(1, 1, 3), second(3))
                 memory.commit(PICK, event(0, 5, None), second(5))
                 self.assertEqual(memory.ask("How often did you pick up anything?", now=now).value, 2)
+
+
+class NoticeTest(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.path = pathlib.Path(folder.name) / "store.engram"
+        with engram.record(self.path) as recorder:
+            for i in range(100):  # It closes at 3 s, and opens at 6 s.
+                opening = 0.8 if i < 30 or i > 60 else 0.4
+                recorder.commit("RobotState/Joints/robot/arm", {"left_gripper": opening},
+                                second(i / 10))
+
+    def test_finds_what_nobody_told(self) -> None:
+        report = engram.notice(self.path)
+        (deed,) = report["deeds"]
+        self.assertEqual((deed["hand"], deed["thing"], report["committed"]), ("left", "", 0))
+        self.assertEqual(len(deed["joints"]), 4)
+        with self.assertRaises(InvalidArgumentError):
+            engram.notice(self.path, opened="wide")
+        with self.assertRaises(NotFoundError):
+            engram.notice(self.path, "RobotState/Joints/robot/leg")
+
+    def test_lets_the_store_be_asked(self) -> None:
+        asked = "Which hand did you use to pick something up?"
+        with engram.open(self.path) as memory:
+            self.assertEqual(memory.ask(asked).kind, "unknown")
+            self.assertEqual(engram.notice(memory, commit=True)["committed"], 1)
+            self.assertEqual(memory.ask(asked).value, ["left"])
 
 
 if __name__ == "__main__":
