@@ -18,10 +18,19 @@ struct OpenModel::State {
     return model->plan.layout().members()[model->plan.images()[image].member].path;
   }
 
+  [[nodiscard]] LatentArrays no_arrays() const;
   Status check(const LatentArrays& latents) const;
   /// Adds row `row` of a chain.
   void add_row(const LatentRows& rows, size_t row, LatentArrays& arrays) const;
 };
+
+LatentArrays OpenModel::State::no_arrays() const {
+  LatentArrays arrays;
+  arrays.images.resize(images.size());
+  arrays.is_latent.resize(images.size());
+  arrays.own.resize(images.size());
+  return arrays;
+}
 
 Status OpenModel::State::check(const LatentArrays& latents) const {
   const size_t count = latents.scenes.size();
@@ -55,6 +64,7 @@ void OpenModel::State::add_row(const LatentRows& rows, size_t row, LatentArrays&
   for (size_t i = 0; i < images.size(); ++i) {
     const bool is_latent = rows.images[i].form == ImageForm::kLatents;
     arrays.is_latent[i].push_back(is_latent);
+    arrays.own[i].push_back(rows.own.empty() ? idf::NdArray() : rows.own[i].pixels);
     auto& all = arrays.images[i];
     const size_t each = images[i].count();
     if (is_latent) {
@@ -80,7 +90,8 @@ Result<OpenModel> OpenModel::open(const std::filesystem::path& path) {
   if (state->has_networks())
     for (size_t i = 0; i < state->model->plan.images().size(); ++i) {
       const auto grids = state->model->autoencoder->shape.grids(i);
-      state->images.push_back({state->path_of(i), grids[0], grids[1]});
+      state->images.push_back(
+          {state->path_of(i), grids[0], grids[1], state->model->plan.images()[i].channels});
     }
   return OpenModel(std::move(state));
 }
@@ -110,9 +121,7 @@ ltm::Predictor& OpenModel::predictor() {
 
 Result<LatentArrays> OpenModel::encode(std::span<const idf::Data> values) {
   return guarded("encode", [&]() -> Result<LatentArrays> {
-    LatentArrays arrays;
-    arrays.images.resize(state_->images.size());
-    arrays.is_latent.resize(state_->images.size());
+    LatentArrays arrays = state_->no_arrays();
     if (values.empty()) return arrays;
     std::vector<idf::SplitValue> split;
     for (const idf::Data& value : values) {
@@ -152,9 +161,7 @@ Result<std::vector<idf::Data>> OpenModel::decode(const LatentArrays& latents) {
 }
 
 Result<LatentArrays> OpenModel::stored(std::span<const ltm::Latent> latents) {
-  LatentArrays arrays;
-  arrays.images.resize(state_->images.size());
-  arrays.is_latent.resize(state_->images.size());
+  LatentArrays arrays = state_->no_arrays();
   const LatentBlockCodec& codec = state_->model->codec;
   Buffer block;
   uint32_t rows_of_block = 0;
@@ -178,6 +185,23 @@ Result<LatentArrays> OpenModel::stored(std::span<const ltm::Latent> latents) {
     arrays.remainders.push_back(latent.remainder);
   }
   return arrays;
+}
+
+idf::NdArray OpenModel::background(const LatentArrays& latents, size_t image, size_t value) const {
+  const Autoencoder& networks = state_->model->autoencoder;
+  const idf::NdArray& own = latents.own.at(image).at(value);
+  torch::NoGradGuard no_gradient;
+  torch::Tensor background;
+  if (own.count() > 0) {
+    const ImageMember& member = state_->model->plan.images()[image];
+    const torch::Tensor pixels =
+        torch::from_blob(const_cast<std::byte*>(own.bytes().data()),
+                         {1, member.height, member.width, member.channels}, torch::kUInt8);
+    background = to_grey_levels(member, networks->shape.images[image], pixels)[0];
+  } else {
+    background = networks->images[image]->background[latents.scenes.at(value)] * kGreyLevels;
+  }
+  return idf::NdArray::take<float>(background.sizes().vec(), floats_of(background.detach()));
 }
 
 Result<std::vector<std::vector<float>>> OpenModel::global_codes(std::span<const idf::Data> values) {

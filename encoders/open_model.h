@@ -19,6 +19,7 @@ struct LatentMember {
   std::string path;   ///< Path in the value; empty for the value itself.
   LatentGrid coarse;  ///< A cell is 16 x 16 pixels, or more for large images.
   LatentGrid fine;    ///< A cell has half of that side.
+  int channels = 0;   ///< Of the image.
 
   [[nodiscard]] size_t count() const { return coarse.count() + fine.count(); }
 };
@@ -29,6 +30,9 @@ struct LatentArrays {
   std::vector<std::vector<int32_t>> images;  ///< Per image member [N, LatentMember::count()].
   /// Per image member [N]: whether a value is kept as latents. If not, its latents are zero.
   std::vector<std::vector<bool>> is_latent;
+  /// Per image member [N]: the background that the block of a value carries itself, uint8
+  /// [H, W, C]; without elements: it is seen on that of its scene. decode() takes scenes alone.
+  std::vector<std::vector<idf::NdArray>> own;
   std::vector<double> numbers;        ///< [N, K]
   std::vector<idf::List> remainders;  ///< Parts that cannot be a tensor, unchanged. [N]
 };
@@ -70,6 +74,12 @@ class OpenModel {
   /// Reads the latents that a store holds, without decoding images.
   /// Errors: kDataLoss.
   Result<LatentArrays> stored(std::span<const ltm::Latent> latents);
+
+  /// The background to which the latents of an image tell the difference. Most of what stands still
+  /// in a recording is there.
+  /// Shape: float32 [C, H, W], padded to whole cells. Unit: grey levels.
+  [[nodiscard]] idf::NdArray background(const LatentArrays& latents, size_t image,
+                                        size_t value) const;
 
   /// Returns the result of Encoder::global_code for each value.
   Result<std::vector<std::vector<float>>> global_codes(std::span<const idf::Data> values);

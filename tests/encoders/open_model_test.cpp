@@ -54,6 +54,32 @@ TEST_F(OpenedModel, NamesWhatItsArraysAre) {
   EXPECT_EQ(arrays->remainders.size(), 5U);
 }
 
+TEST_F(OpenedModel, TellsTheBackgroundOfEachImage) {
+  const auto arrays = model_->encode(values_);
+  ASSERT_TRUE(arrays.ok()) << arrays.status().to_string();
+  ASSERT_EQ(arrays->own[0].size(), values_.size());
+  EXPECT_EQ(arrays->own[0][0].count(), 0) << "only blocks of a store may have their own";
+  const idf::NdArray background = model_->background(*arrays, 0, 0);
+  const LatentMember& member = model_->images()[0];
+  ASSERT_EQ(background.shape().size(), 3U);
+  EXPECT_EQ(background.shape()[0], member.channels);
+  EXPECT_EQ(background.shape()[1], 8 * member.fine.height);
+  EXPECT_EQ(background.shape()[2], 8 * member.fine.width);
+  float max = 0;
+  for (const float level : background.values<float>()) max = std::max(max, level);
+  EXPECT_GT(max, 20) << "grey levels";
+  EXPECT_LT(max, 300);
+
+  // A background that a block carries counts instead.
+  LatentArrays with_own = *arrays;
+  using engram::testing::kHeight;
+  using engram::testing::kWidth;
+  with_own.own[0][1] = idf::NdArray::take({kHeight, kWidth, 3},
+                                          std::vector<uint8_t>(size_t{3} * kHeight * kWidth, 7));
+  const idf::NdArray own = model_->background(with_own, 0, 1);
+  for (const float level : own.values<float>()) EXPECT_EQ(level, 7);
+}
+
 TEST_F(OpenedModel, DecodesWhatTheStoreWouldAnswer) {
   const auto loaded = *load_model(file_->path());
   const auto stored = *loaded.encoder->encode(values_);
