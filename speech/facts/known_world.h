@@ -47,6 +47,8 @@ struct ThingState {
   std::optional<bool> is_visible;
   std::string held_by;   ///< The words of the hand; empty: nothing holds it.
   std::string colour{};  ///< Its word: "red"; empty: it is not told.
+  /// What it was read from: the images of a thing that was seen in them (speech/sights).
+  std::vector<ltm::MemoryId> read_from{};
 };
 
 /// Which things and places there are, what they are called, and what is where.

@@ -216,6 +216,8 @@ ThingState read_thing_state(const ltm::MemoryId& id, const idf::Data& value) {
       id, *id.time(), spot_in(value, "pose_world_"), {}, hand_named(text_in(value, "held_by"))};
   if (const auto visible = integer_in(value, "is_visible")) state.is_visible = *visible != 0;
   state.colour = lower_ascii(text_in(value, "colour"));
+  state.read_from = links_in(value, "read_from");
+  if (state.read_from.size() > kMaxReadFrom) state.read_from.resize(kMaxReadFrom, id);
   return state;
 }
 

@@ -18,4 +18,9 @@ void Outcome::cite(const Execution& execution) {
   for (const ltm::MemoryId& id : execution.read_from) cite(id, "read from");
 }
 
+void Outcome::cite(const ThingState& state) {
+  cite(state.id, "thing");
+  for (const ltm::MemoryId& id : state.read_from) cite(id, "read from");
+}
+
 }  // namespace engram::speech

@@ -44,6 +44,8 @@ struct Outcome {
   void cite(const ltm::MemoryId& id, std::string_view role);
   /// Cites both events of an execution, and what they were read from.
   void cite(const Execution& execution);
+  /// Cites the state of a thing, and what it was read from.
+  void cite(const ThingState& state);
 };
 
 }  // namespace engram::speech

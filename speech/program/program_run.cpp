@@ -177,7 +177,7 @@ Status ProgramRun::count_or_exists(StepKind kind, const RecordFilter& filter) {
   for (const Execution& execution : outcome_.executions) outcome_.cite(execution);
   for (const SpokenWords& words : outcome_.words) outcome_.cite(words.id, "words");
   for (const TaskPlan& plan : outcome_.plans) outcome_.cite(plan.id, "plan");
-  for (const ThingState& state : outcome_.states) outcome_.cite(state.id, "thing");
+  for (const ThingState& state : outcome_.states) outcome_.cite(state);
   for (const RefusedRequest& refusal : refusals_) outcome_.cite(refusal.id, "refusal");
   for (const DriveNote& note : drives_) outcome_.cite(note.id, "drive");
   return size() > 0 ? Status() : show_nothing(filter);

@@ -77,7 +77,7 @@ void ProgramRun::tell_which(const std::string& what) {
     if (what == "person" && !words.speaker.empty()) names.push_back(words.speaker);
   }
   for (const ThingState& state : outcome_.states) {
-    outcome_.cite(state.id, "thing");
+    outcome_.cite(state);
     if (what == "thing") names.push_back(world.spoken(state.id.entity()));
     if (what == "hand" && !state.held_by.empty()) names.push_back(state.held_by);
     if (what == "colour" && !state.colour.empty()) names.push_back(state.colour);

@@ -158,7 +158,7 @@ void ProgramRun::tell_where_things() {
   const KnownWorld& world = facts_.world();
   std::vector<std::string> names;
   for (const ThingState& state : outcome_.states) {
-    outcome_.cite(state.id, "thing");
+    outcome_.cite(state);
     if (!state.held_by.empty()) {
       names.push_back(spoken_hand(state.held_by));
       continue;
@@ -216,7 +216,7 @@ void ProgramRun::tell_holder() {
   std::vector<std::string> names;
   for (const ThingState& state : outcome_.states) {
     if (!state.held_by.empty()) names.push_back(state.held_by);
-    outcome_.cite(state.id, "thing");
+    outcome_.cite(state);
   }
   outcome_.value = names_of(std::move(names));
 }
@@ -225,7 +225,7 @@ void ProgramRun::tell_visible(const RecordFilter& filter) {
   bool is_visible = false;
   for (const ThingState& state : outcome_.states) {
     is_visible = is_visible || is_in_sight(state, filter);
-    outcome_.cite(state.id, "thing");
+    outcome_.cite(state);
   }
   outcome_.value = answers::YesNo{is_visible};
 }
