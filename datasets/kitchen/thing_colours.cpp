@@ -8,7 +8,7 @@ namespace engram::datasets::kitchen {
 namespace {
 
 /// Sets the stream of colours apart from those of layouts and scripts.
-constexpr uint64_t kStream = 0xC0105;
+constexpr uint64_t kColourStream = 0xC0105;
 
 constexpr std::array<int, 3> kWhite{244, 244, 240};
 constexpr std::array<int, 3> kGrey{128, 128, 128};
@@ -41,7 +41,7 @@ std::span<const NamedColour> thing_colours() {
 
 void give_colours(Layout& layout) {
   const std::span<const NamedColour> colours = thing_colours();
-  Random random(layout.seed ^ (kStream << 32));
+  Random random(layout.seed ^ (kColourStream << 32));
   for (Thing& thing : layout.things) {
     // Every thing takes a number, so that the colours of the others do not depend on its name.
     const NamedColour& drawn = colours[random.below(colours.size())];
