@@ -41,6 +41,8 @@ void add_ls_command(CLI::App& app, ExitCode& exit_code);
 void add_export_command(CLI::App& app, ExitCode& exit_code);
 void add_eval_command(CLI::App& app, ExitCode& exit_code);
 void add_learn_answers_command(CLI::App& app, ExitCode& exit_code);
+void add_learn_sights_command(CLI::App& app, ExitCode& exit_code);
+void add_notice_sights_command(CLI::App& app, ExitCode& exit_code);
 void add_predict_command(CLI::App& app, ExitCode& exit_code);
 void add_forget_command(CLI::App& app, ExitCode& exit_code);
 void add_redact_command(CLI::App& app, ExitCode& exit_code);

@@ -24,7 +24,7 @@ bool is_learning(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (const std::string_view word = argv[i]; word == "consolidate" || word == "eval" ||
                                                word == "crossval" || word == "predict" ||
-                                               word == "learn-answers")
+                                               word == "learn-answers" || word == "learn-sights")
       return true;
   return false;
 }

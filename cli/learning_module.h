@@ -30,6 +30,8 @@ struct LearningModule {
   AddCommand add_crossval_command;
   AddCommand add_eval_command;
   AddCommand add_learn_answers_command;
+  AddCommand add_learn_sights_command;
+  AddCommand add_notice_sights_command;
   /// speech::load_attention.
   Result<std::unique_ptr<speech::AttentionNetwork>> (*load_attention)(
       const std::filesystem::path& file);

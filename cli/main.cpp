@@ -107,7 +107,9 @@ struct Program {
     add_ask_command(app, exit_code);
     add_tell_command(app, exit_code);
     add_notice_command(app, exit_code);
+    if (learning != nullptr) learning->add_notice_sights_command(app, exit_code);
     if (learning != nullptr) learning->add_learn_answers_command(app, exit_code);
+    if (learning != nullptr) learning->add_learn_sights_command(app, exit_code);
     add_similar_command(app, exit_code);
     add_why_salient_command(app, exit_code);
     add_reflect_command(app, exit_code);
@@ -138,7 +140,7 @@ struct Program {
 };
 
 /// What stays where a command is cut off; the others change nothing.
-constexpr std::array<std::pair<std::string_view, const char*>, 16> kInterruptNotes{{
+constexpr std::array<std::pair<std::string_view, const char*>, 18> kInterruptNotes{{
     {"augment", "what was stored of the new store is whole"},
     {"commit", "what was acknowledged is stored"},
     {"compact", "each step is whole or was not begun; the same command goes on"},
@@ -148,8 +150,10 @@ constexpr std::array<std::pair<std::string_view, const char*>, 16> kInterruptNot
     {"forget", "each step is whole or was not begun; the same command goes on"},
     {"import", "what was acknowledged is in the store"},
     {"learn-answers", "what was learned before is as it was; the same command goes on"},
+    {"learn-sights", "the file is as it was"},
     {"map", "a file or a map is whole, or not there"},
     {"notice", "nothing is recorded, or all of it"},
+    {"notice-sights", "nothing is recorded, or all of it"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"reflect", "nothing is recorded, or all of it"},
