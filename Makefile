@@ -32,7 +32,7 @@ BUDGET ?= 1200
 
 .PHONY: help packages build test demo robot robot-demo view bench bench-build crash crash-night faults soak server-cut skill-kills skill-bars drives fuzz \
         check-headers check-locks clean reference experiments recorder-bars store-scale store-readers store-peers number-bars prediction-bars forecast-bars member-bars codec-bars night-codec-bars \
-        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars ask-bars notice-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
+        import-bars latent-trial training-speed learning-bars night-bars day-bars short-nights group-bars month hostile many-bars recall-bars fade-bars ninety-days reflection-bars replay-bars age-bars saliency-bars ask-bars notice-bars sight-bars viewer-bars live-bars sensory-bars paper storage loocv transfer
 
 help:
 	@echo "make demo    record, compress, train, recall and predict, with measured figures"
@@ -77,6 +77,7 @@ help:
 	@echo "make ask-bars    2,000 questions each of seven kinds about 40 kitchens: answered rightly, refused, how"
 	@echo "             soon; first it trains what reads questions (ANSWERS_BUDGET=60m, BARS=options)"
 	@echo "make notice-bars how rightly grasps are found in joints; ten questions about a real robot (RECORDINGS)"
+	@echo "make sight-bars  what is where and in which colour, told from latents of images alone (BARS=options)"
 	@echo "make viewer-bars how quick the viewer is, in a browser (BARS='--scale STORE')"
 	@echo "make live-bars   how quickly the viewer shows what a robot commits, and its memory (BARS='--seconds 3600')"
 	@echo "make prediction-bars how well joints are predicted from their past (RECORDINGS)"
@@ -327,6 +328,11 @@ notice-bars: build
 	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/notice_bars.py \
 	  build/release/bin/engram --kitchens build/notice/kitchens \
 	  --recording "$(RECORDINGS)/g1" --work build/notice --json build/notice_bars.json $(BARS)
+
+# Options: experiments/ask/sight_bars.py --help
+sight-bars: build
+	PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 experiments/ask/sight_bars.py \
+	  build/release/bin/engram --work build/sights --json build/sight_bars.json $(BARS)
 
 # Options: experiments/viewer/viewer_bars.py --help
 viewer-bars: build
