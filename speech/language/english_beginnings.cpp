@@ -16,6 +16,7 @@ constexpr std::string_view kBeginnings[] = {
     "can|could|would|will you please|kindly|perhaps|possibly|just|still|ever? "
     "say|state|report|explain|remember|recall|think|know please|kindly?",
     "would|could you be so kind|good as|and to? tell me|us",
+    "would|could you be kind|good enough to tell|explain me|us? to? me|us?",
     "would|do you mind telling|showing|explaining me|us? to? me|us?",
     "be so kind|good as|and to? tell me|us",
     "if you do not mind",

@@ -137,9 +137,9 @@ bool asks_for_future(const QuestionParts& parts) {
   if (parts.times.is_future) return true;
   if (main.has_any({"will", "shall"})) return true;
   if (main.has("should") && !main.has_any({"say", "ask", "tell", "want"})) return true;
-  // Who is going to the table drives there.
-  return main.has_words({"going", "to"}) && main.places.empty() &&
-         (main.has("you") || main.has("robot")) && !main.has("was") && !main.has("were");
+  // Time that was spent going to the table is past.
+  const bool is_past = main.has_any({"spend", "did", "been", "was", "were"});
+  return main.has_words({"going", "to"}) && !is_past && main.has_any({"you", "robot"});
 }
 
 /// What nobody is asked to do who is asked what was.
@@ -249,7 +249,12 @@ Result<QuestionInWords> question_in_words(std::string_view question, const Lexic
   ENGRAM_ASSIGN_OR_RETURN(std::vector<QuestionWord> words, split_words(question));
   tagger.correct(words, lexicon);
   QuestionInWords in_words;
-  in_words.is_order = is_order_to_pretend(words.front().text);
+  // Behind the marks of a chat with a language model it is an order, too: "[INST] Pretend ..."
+  in_words.is_order =
+      is_order_to_pretend(words.front().text) ||
+      std::any_of(words.begin(), words.end(), [](const QuestionWord& word) {
+        return word.is_capital && !word.begins_sentence && is_order_to_pretend(word.text);
+      });
   in_words.is_stated = words.back().ends_statement;
   take_endearments(words);
   take_question_tags(words);

@@ -99,8 +99,8 @@ std::string GrammarRules::skills_of(const ClauseParts& clause) const {
   for (const TaggedWord* verb : clause.verbs) {
     if (is_carrying(verb->lemma) && carry(verb->lemma)) continue;
     // What takes long is not taken.
-    if ((verb->lemma == "take" || verb->lemma == "get") && clause.verbs.size() > 1 &&
-        clause.has_any({"how_long", "long", "longer", "it"}))
+    if ((verb->lemma == "take" || verb->lemma == "get") && verb->text != "taking" &&
+        clause.verbs.size() > 1 && clause.has_any({"how_long", "long", "longer", "it"}))
       continue;
     // To leave a place is no skill of putting.
     if (verb->lemma == "leave" && !has_thing && clause.has("for") && !clause.places.empty()) {

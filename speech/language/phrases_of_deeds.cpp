@@ -122,6 +122,8 @@ constexpr Phrase kPhrasesOfDeeds[] = {
     {"give up on", "quit"},
     {"gave up on", "quit"},
     {"what became of", "what happened to"},
+    {"not successful in|at|with", "fail"},
+    {"come|came unstuck", "fail"},
     {"what has become of", "what happened to"},
     {"on earth", "really"},
     {"in the world", "really"},

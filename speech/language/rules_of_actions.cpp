@@ -308,6 +308,9 @@ GrammarRules::Found GrammarRules::what_was_done(bool is_narration) {
     add_order(program, {});
     return program.then(StepKind::kEvents);
   }
+  // "You put the milk down. What happened?" asks of what was told.
+  if (main_.has("happen") && !parts_.told.empty() && parts_.times.empty() && thing().empty())
+    return {};
   Program program = executions();
   const bool is_task = main_.has_any({"task", "job", "busy", "doing", "activity", "action"});
   if (parts_.times.empty() && !is_narration && !has_order() && is_of_present() && is_task)

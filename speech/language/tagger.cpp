@@ -258,7 +258,10 @@ class WordTagger final : public Tagger {
     if (word.lemma == "go" && is_any(after, {"wrong", "well", "smoothly", "fine", "on", "badly",
                                              "amiss", "as", "according"}))
       return false;
-    if (word.text == "going" && after == "to" && !is_any(before, {"spend", "spent"})) return false;
+    // "Why did going to the table fail?" is of a drive, "Are you going to pick it up?" of none.
+    if (word.text == "going" && after == "to" &&
+        is_any(before, {"you", "robot", "are", "is", "were", "was", "not", "am", "be"}))
+      return false;
     if (word.text == "left" && after == "to") return false;
     if (word.text == "lay" && is_any(before, {"what", "that", "things", "objects", "items"}))
       return false;
