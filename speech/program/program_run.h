@@ -82,7 +82,7 @@ class ProgramRun {
   void tell_holder();
   void tell_visible(const RecordFilter& filter);
   Status tell_moved(const RecordFilter& filter);
-  void tell_moved_by_deeds();
+  void tell_moved_by_deeds(const std::vector<ThingState>& things);
   [[nodiscard]] bool is_in_sight(const ThingState& state, const RecordFilter& filter) const;
   /// The moment that is asked about, now where none is.
   [[nodiscard]] Time moment_of(const RecordFilter& filter) const;

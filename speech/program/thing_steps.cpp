@@ -241,38 +241,36 @@ Status ProgramRun::tell_moved(const RecordFilter& filter) {
     ENGRAM_ASSIGN_OR_RETURN(const auto first, facts_.first_state(entity, from, to, has_spot));
     if (!first) continue;
     is_told = true;
-    outcome_.cite(first->id, "thing");
+    outcome_.cite(*first);
     const auto is_elsewhere = [&first](const ThingState& state) {
       return state.spot && metres_between(*state.spot, *first->spot) >= kMoved_m;
     };
     ENGRAM_ASSIGN_OR_RETURN(const auto moved, facts_.last_state(entity, from, to, is_elsewhere));
-    outcome_.cite(moved ? moved->id : thing.id, "thing");
-    outcome_.states.push_back(thing);
+    const ThingState& last = moved ? *moved : thing;
+    outcome_.cite(last);
+    outcome_.states.push_back(last);
     if (!moved) continue;
-    outcome_.states = {*first, *moved};
+    outcome_.states = {*first, last};
     outcome_.value = answers::YesNo{true};
     return {};
   }
   outcome_.value = answers::YesNo{false};
-  if (is_told) return {};
-  outcome_.states = things;
-  tell_moved_by_deeds();
+  if (!is_told) tell_moved_by_deeds(things);
   return {};
 }
 
 /// Where no place of the things is told, what was done with them tells that they were moved, but
 /// not that they were not.
-void ProgramRun::tell_moved_by_deeds() {
+void ProgramRun::tell_moved_by_deeds(const std::vector<ThingState>& things) {
   for (const Execution* execution : facts_.executions()) {
     if (!execution->thing || execution->outcome != ltm::ActionOutcome::kSuccess) continue;
-    const bool is_asked = std::any_of(
-        outcome_.states.begin(), outcome_.states.end(),
-        [&](const ThingState& state) { return state.id.entity() == *execution->thing; });
+    const bool is_asked = std::any_of(things.begin(), things.end(), [&](const ThingState& thing) {
+      return thing.id.entity() == *execution->thing;
+    });
     if (!is_asked) continue;
     outcome_.cite(*execution);
     outcome_.executions.push_back(*execution);
   }
-  outcome_.states.clear();
   if (outcome_.executions.empty()) miss("it is not told where it was");
   outcome_.value = answers::YesNo{true};
 }
