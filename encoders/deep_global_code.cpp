@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "encoders/deep_model.h"
-#include "encoders/model_weights.h"
+#include "encoders/stored_tensors.h"
 
 namespace engram::encoders {
 

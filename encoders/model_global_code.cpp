@@ -4,7 +4,7 @@
 
 #include "encoders/model_records.h"
 #include "encoders/model_vectors.h"
-#include "encoders/model_weights.h"
+#include "encoders/stored_tensors.h"
 #include "encoders/weight_rounding.h"
 
 namespace engram::encoders {

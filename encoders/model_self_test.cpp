@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "encoders/model_vectors.h"
-#include "encoders/model_weights.h"
+#include "encoders/stored_tensors.h"
 
 namespace engram::encoders {
 

@@ -183,9 +183,4 @@ Status read_weights(const h5::File& file, DeepModel& model) {
   return {};
 }
 
-std::vector<float> floats_of(const Tensor& tensor) {
-  const Tensor rows = tensor.detach().to(torch::kFloat32).contiguous();
-  return {rows.data_ptr<float>(), rows.data_ptr<float>() + rows.numel()};
-}
-
 }  // namespace engram::encoders

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "encoders/deep_model.h"
+#include "encoders/stored_tensors.h"
 #include "ltm/h5/h5.h"
 
 // Private to this room: includes LibTorch.
@@ -17,8 +18,5 @@ Status write_weights(h5::File& file, DeepModel& model);
 /// Reads the weights into networks of the same sizes. It is safe on hostile files.
 /// Errors: kDataLoss if the file has more or fewer weights than the networks.
 Status read_weights(const h5::File& file, DeepModel& model);
-
-/// Elements of a tensor, row by row.
-[[nodiscard]] std::vector<float> floats_of(const torch::Tensor& tensor);
 
 }  // namespace engram::encoders

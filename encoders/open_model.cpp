@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "encoders/deep_model_file.h"
-#include "encoders/model_weights.h"
+#include "encoders/stored_tensors.h"
 
 namespace engram::encoders {
 

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/learning/attention_weights.h"
 
-#include <cmath>
-
+#include "encoders/stored_tensors.h"
 #include "ltm/core/file.h"
-#include "ltm/h5/h5.h"
 #include "speech/attention/program_symbols.h"
 
 namespace engram::speech {
@@ -19,11 +17,6 @@ constexpr int64_t kVersion = 2;
 
 Status write(AttentionLayers& layers, const AttentionRecord& record,
              const std::filesystem::path& path) {
-  std::vector<float> weights;
-  for (const torch::Tensor& tensor : layers->parameters()) {
-    const torch::Tensor flat = tensor.detach().to(torch::kFloat).contiguous().flatten();
-    weights.insert(weights.end(), flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel());
-  }
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.make_group(kGroup));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "version", kVersion));
@@ -32,9 +25,7 @@ Status write(AttentionLayers& layers, const AttentionRecord& record,
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "examples", record.examples));
   ENGRAM_RETURN_IF_ERROR(file.write_attribute(kGroup, "seconds", record.seconds));
   ENGRAM_RETURN_IF_ERROR(file.write_strings(kSymbols, program_symbols()));
-  const uint64_t count = weights.size();
-  ENGRAM_RETURN_IF_ERROR(file.write(kWeights, h5::Type::kFloat32, std::span(&count, 1),
-                                    std::as_bytes(std::span(weights)), h5::Storage::kCompressed));
+  ENGRAM_RETURN_IF_ERROR(encoders::write_tensors(file, kWeights, layers->parameters()));
   return file.close();
 }
 
@@ -68,25 +59,8 @@ Result<SavedAttention> read_attention(const std::filesystem::path& path) {
                           file.double_attribute(kGroup, "sure_confidence"));
   ENGRAM_ASSIGN_OR_RETURN(saved.record.examples, file.int_attribute(kGroup, "examples"));
   ENGRAM_ASSIGN_OR_RETURN(saved.record.seconds, file.double_attribute(kGroup, "seconds"));
-  ENGRAM_ASSIGN_OR_RETURN(const auto bytes,
-                          file.read(kWeights, h5::Type::kFloat32, uint64_t{1} << 26));
-  const auto weights = h5::as_vector<float>(bytes);
-  size_t at = 0;
-  torch::NoGradGuard no_gradient;
-  for (torch::Tensor& tensor : saved.layers->parameters()) {
-    const auto count = static_cast<size_t>(tensor.numel());
-    if (at + count > weights.size()) break;
-    std::copy_n(weights.data() + at, count, tensor.data_ptr<float>());
-    at += count;
-  }
-  size_t needed = 0;
-  for (const torch::Tensor& tensor : saved.layers->parameters())
-    needed += static_cast<size_t>(tensor.numel());
-  if (weights.size() != needed)
-    return data_loss("'{}': found {} weights, needs {}", path.string(), weights.size(), needed);
-  for (const float weight : weights)
-    if (!std::isfinite(weight))
-      return data_loss("'{}': found a weight that is no number", path.string());
+  std::vector<torch::Tensor> weights = saved.layers->parameters();
+  ENGRAM_RETURN_IF_ERROR(encoders::read_tensors(file, path, kWeights, weights));
   saved.layers->eval();
   return saved;
 }

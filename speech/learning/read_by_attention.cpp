@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "encoders/stored_tensors.h"
 #include "speech/attention/program_symbols.h"
 #include "speech/learning/attention_batch.h"
 #include "speech/learning/attention_file.h"
@@ -83,11 +84,6 @@ std::vector<Beam> search(AttentionLayers& layers, const AttentionBatch& batch,
   return over;
 }
 
-std::vector<float> floats_of(const torch::Tensor& tensor) {
-  const torch::Tensor flat = tensor.contiguous().flatten();
-  return {flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel()};
-}
-
 class TorchAttention final : public AttentionNetwork {
  public:
   explicit TorchAttention(SavedAttention saved) : saved_(std::move(saved)) {}
@@ -114,12 +110,12 @@ AttentionScores read_by_attention(AttentionLayers& layers, const AttentionInput&
   for (const Beam& beam : search(layers, batch, read)) {
     AttentionScores::Reading reading{beam.symbols, beam.log_probability, {}, {}};
     const torch::Tensor told = layers->tell(read, batch, begun_by({beam}));
-    reading.main = floats_of(layers->select(told[1], batch.groups, false));
+    reading.main = encoders::floats_of(layers->select(told[1], batch.groups, false));
     reading.main.resize(input.groups.size());
     if (const auto link = link_place(beam.symbols)) {
       const auto place = static_cast<int64_t>(*link) + 2;
       if (place < told.size(0)) {
-        reading.other = floats_of(layers->select(told[place], batch.groups, true));
+        reading.other = encoders::floats_of(layers->select(told[place], batch.groups, true));
         reading.other.resize(input.groups.size());
       }
     }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "speech/sights/sight_file.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "encoders/stored_tensors.h"
 #include "ltm/core/file.h"
-#include "ltm/h5/h5.h"
 
 namespace engram::speech {
 
@@ -30,11 +29,6 @@ std::vector<torch::Tensor> tensors_of(const SightLayers& layers) {
 }
 
 Status write(const SavedSights& sights, const std::filesystem::path& path) {
-  std::vector<float> weights;
-  for (const torch::Tensor& tensor : tensors_of(sights.layers)) {
-    const torch::Tensor flat = tensor.detach().to(torch::kFloat).contiguous().flatten();
-    weights.insert(weights.end(), flat.data_ptr<float>(), flat.data_ptr<float>() + flat.numel());
-  }
   ENGRAM_ASSIGN_OR_RETURN(h5::File file, h5::File::create(path));
   ENGRAM_RETURN_IF_ERROR(file.make_group(kGroup));
   const std::array<std::pair<const char*, int64_t>, 6> numbers{
@@ -50,9 +44,7 @@ Status write(const SavedSights& sights, const std::filesystem::path& path) {
   ENGRAM_RETURN_IF_ERROR(file.write_strings(kKinds, sights.words.kinds));
   ENGRAM_RETURN_IF_ERROR(file.write_strings(kWhere, sights.words.where));
   ENGRAM_RETURN_IF_ERROR(file.write_strings(kColours, sights.words.colours));
-  const uint64_t count = weights.size();
-  ENGRAM_RETURN_IF_ERROR(file.write(kWeights, h5::Type::kFloat32, std::span(&count, 1),
-                                    std::as_bytes(std::span(weights)), h5::Storage::kCompressed));
+  ENGRAM_RETURN_IF_ERROR(encoders::write_tensors(file, kWeights, tensors_of(sights.layers)));
   return file.close();
 }
 
@@ -108,22 +100,8 @@ Result<SavedSights> read_sights(const std::filesystem::path& path) {
     if (words->empty() || words->size() > kMaxWords)
       return data_loss("'{}': found {} words", path.string(), words->size());
   sights.layers = SightLayers(sights.shape());
-  ENGRAM_ASSIGN_OR_RETURN(const auto bytes,
-                          file.read(kWeights, h5::Type::kFloat32, uint64_t{1} << 24));
-  const auto weights = h5::as_vector<float>(bytes);
   std::vector<torch::Tensor> tensors = tensors_of(sights.layers);
-  size_t needed = 0;
-  for (const torch::Tensor& tensor : tensors) needed += static_cast<size_t>(tensor.numel());
-  if (weights.size() != needed)
-    return data_loss("'{}': found {} weights, needs {}", path.string(), weights.size(), needed);
-  if (!std::all_of(weights.begin(), weights.end(), [](float x) { return std::isfinite(x); }))
-    return data_loss("'{}': found a weight that is no number", path.string());
-  torch::NoGradGuard no_gradient;
-  size_t at = 0;
-  for (torch::Tensor& tensor : tensors) {
-    std::copy_n(weights.data() + at, static_cast<size_t>(tensor.numel()), tensor.data_ptr<float>());
-    at += static_cast<size_t>(tensor.numel());
-  }
+  ENGRAM_RETURN_IF_ERROR(encoders::read_tensors(file, path, kWeights, tensors));
   sights.layers->eval();
   return sights;
 }
