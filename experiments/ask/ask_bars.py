@@ -57,8 +57,8 @@ def simulate(arguments):
     begin = time.perf_counter()
     if missing:
         run(arguments.engram, "simulate", "kitchen", "--folder", folder, "--no-images",
-            "--colours", "--seconds", arguments.seconds, "--jobs", arguments.jobs, "--progress", "none",
-            "--seed", ",".join(map(str, missing)))
+            "--colours", "--seconds", arguments.seconds, "--jobs", arguments.jobs, "--progress",
+            "none", "--seed", ",".join(map(str, missing)))
         for seed in missing:
             stores[seed].with_suffix(".done").touch()
         took = time.perf_counter() - begin

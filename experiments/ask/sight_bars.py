@@ -6,8 +6,9 @@ Kitchens whose things have colours are simulated, and a night turns their images
 network learns from them to see things (`engram learn-sights`). Other kitchens, of seeds that nothing
 was trained on, get latents of the same model; of each all poses and states of things are forgotten,
 and what `engram notice-sights` finds in the latents is asked about. Truth is what the same questions
-are answered with where poses are known. The blind baseline is the commonest answer to each question in the
-other kitchens that are asked, of all things or of the same thing, whichever is right more often.
+are answered with where poses are known. The blind baseline is the commonest answer to each question
+in the other kitchens that are asked, of all things or of the same thing, whichever is right more
+often.
 """
 from __future__ import annotations
 
@@ -19,6 +20,8 @@ import pathlib
 import shutil
 import subprocess
 import sys
+
+from ask_bars import seeds_of
 
 EXAMPLES = """Examples:
   sight_bars.py build/release/bin/engram
@@ -43,11 +46,6 @@ QUESTIONS = {"colour": ["What colour is the {thing}?"],
              "where": ["Where did you last see the {thing}?"],
              "on": ["Was the {thing} on the table?", "Was the {thing} on the counter?"]}
 MOMENTS_S = [15, 30, 45, 59]
-
-
-def seeds_of(text):
-    first, _, last = text.partition("..")
-    return list(range(int(first), int(last or first) + 1))
 
 
 def run(*words):
