@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Private to this room: members of values that anybody may have committed.
-
 #include <array>
 #include <optional>
 #include <string>
@@ -16,6 +14,9 @@
 #include "speech/facts/known_world.h"
 
 namespace engram::speech {
+
+// Members of values that anybody may have committed: what is missing, of another type or no number
+// is none.
 
 /// The text of a member; empty where there is none.
 [[nodiscard]] std::string text_in(const idf::Data& value, std::string_view member);

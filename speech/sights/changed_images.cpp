@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace engram::speech {
 
@@ -17,29 +18,21 @@ constexpr double kLight = 0.15;
 constexpr double kTint = 0.05;
 
 double between(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
+  return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-Hsv hsv_of(const uint8_t* rgb) {
-  const double r = rgb[0] / 255.0;
-  const double g = rgb[1] / 255.0;
-  const double b = rgb[2] / 255.0;
-  const double high = std::max({r, g, b});
-  const double range = high - std::min({r, g, b});
-  if (range <= 0) return {0, 0, high};
-  double hue = high == r ? (g - b) / range : high == g ? (b - r) / range + 2 : (r - g) / range + 4;
-  if (hue < 0) hue += 6;
-  return {60 * hue, range / high, high};
+/// An image as a matrix that shares its pixels.
+cv::Mat as_mat(const idf::NdArray& image) {
+  return cv::Mat(static_cast<int>(image.shape()[0]), static_cast<int>(image.shape()[1]), CV_8UC3,
+                 const_cast<std::byte*>(image.bytes().data()));
 }
 
-void set_rgb(const Hsv& colour, uint8_t* rgb) {
-  const std::array<double, 3> at{5, 3, 1};
-  for (size_t i = 0; i < at.size(); ++i) {
-    const double k = std::fmod(at.at(i) + colour.hue / 60, 6);
-    const double share = std::clamp(std::min(k, 4 - k), 0.0, 1.0);
-    const double level = colour.value * (1 - colour.saturation * share);
-    rgb[i] = static_cast<uint8_t>(std::lround(std::clamp(255 * level, 0.0, 255.0)));
-  }
+/// Hue in degrees, saturation and value from 0 to 1. Shape: float32 [H, W, 3].
+cv::Mat hsv_of(const cv::Mat& rgb) {
+  cv::Mat hsv;
+  rgb.convertTo(hsv, CV_32FC3, 1.0 / 255);
+  cv::cvtColor(hsv, hsv, cv::COLOR_RGB2HSV);
+  return hsv;
 }
 
 double hue_distance(double a, double b) {
@@ -47,35 +40,15 @@ double hue_distance(double a, double b) {
   return std::min(distance, 360 - distance);
 }
 
-/// Calls `visit` with each pixel within an outline.
-template <typename Pixel, typename Visit>
-void visit_pixels(Pixel* pixels, int64_t height, int64_t width,
-                  const std::vector<Eigen::Vector2d>& outline, const Visit& visit) {
-  if (outline.empty()) return;
-  Eigen::Vector2d low = outline.front();
-  Eigen::Vector2d high = outline.front();
-  for (const Eigen::Vector2d& corner : outline) {
-    low = low.cwiseMin(corner);
-    high = high.cwiseMax(corner);
-  }
-  const auto clamped = [](double share, int64_t size) {
-    return static_cast<int64_t>(std::clamp(share, 0.0, 1.0) * static_cast<double>(size));
-  };
-  for (int64_t y = clamped(low.y(), height); y < std::min(height, clamped(high.y(), height) + 1);
-       ++y)
-    for (int64_t x = clamped(low.x(), width); x < std::min(width, clamped(high.x(), width) + 1);
-         ++x)
-      if (is_within(outline, {(static_cast<double>(x) + 0.5) / static_cast<double>(width),
-                              (static_cast<double>(y) + 0.5) / static_cast<double>(height)}))
-        visit(pixels + 3 * (y * width + x));
-}
-
-void mirror(std::vector<uint8_t>& pixels, int64_t height, int64_t width) {
-  for (int64_t y = 0; y < height; ++y)
-    for (int64_t x = 0; x < width / 2; ++x)
-      for (int64_t c = 0; c < 3; ++c)
-        std::swap(pixels[static_cast<size_t>(3 * (y * width + x) + c)],
-                  pixels[static_cast<size_t>(3 * (y * width + width - 1 - x) + c)]);
+/// Calls `visit` with the colour of each pixel within an outline that is not grey.
+template <typename Visit>
+void visit_colours(cv::Mat& hsv, const std::vector<cv::Point2f>& outline, const Visit& visit) {
+  const cv::Mat mask = mask_of(outline, hsv.size());
+  for (int y = 0; y < hsv.rows; ++y)
+    for (int x = 0; x < hsv.cols; ++x)
+      if (auto& pixel = hsv.at<cv::Vec3f>(y, x);
+          mask.at<uint8_t>(y, x) != 0 && pixel[1] >= kMinSaturation)
+        visit(pixel, y, x);
 }
 
 void mirror(ImageTruth& truth, const CellGrid& grid, const std::vector<int64_t>& mirrored_where) {
@@ -90,23 +63,20 @@ void mirror(ImageTruth& truth, const CellGrid& grid, const std::vector<int64_t>&
 }  // namespace
 
 void ColourLooks::see(const idf::NdArray& image, const ImageTruth& truth) {
-  const auto pixels = image.values<uint8_t>();
+  cv::Mat pixels = hsv_of(as_mat(image));
   for (const TrueSight& thing : truth.things) {
     if (thing.colour < 0 || !thing.is_in_sight) continue;
     const auto colour = static_cast<size_t>(thing.colour);
     if (seen_.size() <= colour) seen_.resize(colour + 1);
     Seen& seen = seen_[colour];
-    visit_pixels(pixels.data(), image.shape()[0], image.shape()[1], thing.outline,
-                 [&seen](const uint8_t* pixel) {
-                   const Hsv hsv = hsv_of(pixel);
-                   if (hsv.saturation < kMinSaturation) return;
-                   const auto bin = std::min(kHues - 1, static_cast<size_t>(hsv.hue / 360 * kHues));
-                   const double weight = hsv.saturation * hsv.value;
-                   seen.weight.at(bin) += weight;
-                   seen.hue.at(bin) += weight * hsv.hue;
-                   seen.saturation.at(bin) += weight * hsv.saturation;
-                   seen.value.at(bin) += weight * hsv.value;
-                 });
+    visit_colours(pixels, thing.outline, [&seen](const cv::Vec3f& hsv, int, int) {
+      const auto bin = std::min(kHues - 1, static_cast<size_t>(hsv[0] / 360 * kHues));
+      const double weight = hsv[1] * hsv[2];
+      seen.weight.at(bin) += weight;
+      seen.hue.at(bin) += weight * hsv[0];
+      seen.saturation.at(bin) += weight * hsv[1];
+      seen.value.at(bin) += weight * hsv[2];
+    });
   }
 }
 
@@ -122,10 +92,9 @@ Hsv ColourLooks::look(int64_t colour) const {
 ChangedImage change_image(const idf::NdArray& image, const ImageTruth& truth, const CellGrid& grid,
                           const ColourLooks& looks, const std::vector<int64_t>& mirrored_where,
                           std::mt19937_64& random) {
-  const int64_t height = image.shape()[0];
-  const int64_t width = image.shape()[1];
-  const auto from = image.values<uint8_t>();
-  std::vector<uint8_t> pixels(from.begin(), from.end());
+  cv::Mat pixels = as_mat(image).clone();
+  cv::Mat hsv = hsv_of(pixels);
+  cv::Mat is_other(pixels.size(), CV_8UC1, cv::Scalar(0));
   ImageTruth changed = truth;
   for (TrueSight& thing : changed.things) {
     const Hsv own = looks.look(thing.colour);
@@ -134,25 +103,29 @@ ChangedImage change_image(const idf::NdArray& image, const ImageTruth& truth, co
     const Hsv other = looks.look(colour);
     if (other.saturation <= 0 || colour == thing.colour) continue;
     thing.colour = colour;
-    visit_pixels(pixels.data(), height, width, thing.outline, [&](uint8_t* pixel) {
-      const Hsv hsv = hsv_of(pixel);
-      if (hsv.saturation < kMinSaturation || hue_distance(hsv.hue, own.hue) > kMaxHueDistance)
-        return;
-      set_rgb({other.hue, std::min(1.0, hsv.saturation * other.saturation / own.saturation),
-               std::min(1.0, hsv.value * other.value / own.value)},
-              pixel);
+    visit_colours(hsv, thing.outline, [&](cv::Vec3f& pixel, int y, int x) {
+      if (hue_distance(pixel[0], own.hue) > kMaxHueDistance) return;
+      const double saturation = pixel[1] * other.saturation / own.saturation;
+      const double value = pixel[2] * other.value / own.value;
+      pixel = {static_cast<float>(other.hue), static_cast<float>(std::min(1.0, saturation)),
+               static_cast<float>(std::min(1.0, value))};
+      is_other.at<uint8_t>(y, x) = 255;
     });
   }
+  cv::cvtColor(hsv, hsv, cv::COLOR_HSV2RGB);
+  cv::Mat painted;
+  hsv.convertTo(painted, CV_8UC3, 255);
+  painted.copyTo(pixels, is_other);
   const double light = between(random, 1 - kLight, 1 + kLight);
-  std::array<double, 3> gain{};
-  for (double& one : gain) one = light * between(random, 1 - kTint, 1 + kTint);
-  for (size_t i = 0; i < pixels.size(); ++i)
-    pixels[i] = static_cast<uint8_t>(std::min(255.0, pixels[i] * gain.at(i % 3)));
+  cv::Scalar gain;
+  for (int c = 0; c < 3; ++c) gain[c] = light * between(random, 1 - kTint, 1 + kTint);
+  cv::multiply(pixels, gain, pixels);
   if (random() % 2 == 1) {
-    mirror(pixels, height, width);
+    cv::flip(pixels, pixels, 1);
     mirror(changed, grid, mirrored_where);
   }
-  return {idf::NdArray::take({height, width, 3}, std::move(pixels)), std::move(changed)};
+  std::vector<uint8_t> bytes(pixels.data, pixels.data + pixels.total() * pixels.elemSize());
+  return {idf::NdArray::take(image.shape(), std::move(bytes)), std::move(changed)};
 }
 
 const idf::NdArray* image_in(const idf::Data& value) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "encoders/threads.h"
+#include "speech/facts/fact_members.h"
 #include "speech/facts/known_facts.h"
 #include "speech/sights/sight_file.h"
 #include "speech/sights/sight_reading.h"
@@ -126,10 +127,7 @@ Result<std::set<std::string>> known_kinds(const std::filesystem::path& store) {
   for (const KnownThing& thing : facts->world().things()) {
     if (!thing.entity || thing.entity->names()[2] == kSightsProvider) continue;
     ENGRAM_ASSIGN_OR_RETURN(const idf::Data value, facts->value_at(thing.evidence));
-    const idf::Data* of = value.at("object_class");
-    const auto* text = of == nullptr ? nullptr : of->get_if<std::string>();
-    const auto kind = text == nullptr ? ltm::MemoryId() : ltm::MemoryId::parse(*text).value_or({});
-    if (kind.has_entity()) kinds.insert(kind.entity().to_string());
+    if (const auto kind = link_in(value, "object_class")) kinds.insert(kind->entity().to_string());
   }
   return kinds;
 }

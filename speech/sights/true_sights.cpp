@@ -3,11 +3,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
+#include <opencv2/imgproc.hpp>
 
+#include "ltm/context/read_context.h"
 #include "ltm/idf/type.h"
+#include "speech/facts/fact_members.h"
 #include "speech/facts/known_facts.h"
 
 namespace engram::speech {
@@ -25,74 +26,31 @@ constexpr int kMinShown = 4;
 constexpr int kMaxHidden = 1;
 constexpr double kMinAhead_m = 0.05;
 
-const idf::Data* member(const idf::Data& value, std::string_view name) {
-  const auto* dict = value.get_if<idf::Dict>();
-  return dict == nullptr ? nullptr : dict->find(name);
-}
-
-std::string text_of(const idf::Data& value, std::string_view name) {
-  const idf::Data* found = member(value, name);
-  const auto* text = found == nullptr ? nullptr : found->get_if<std::string>();
-  return text == nullptr ? std::string() : *text;
-}
-
-std::vector<double> numbers_of(const idf::Data* value, size_t count) {
-  const auto* array = value == nullptr ? nullptr : value->get_if<idf::NdArray>();
-  if (array == nullptr || array->count() != static_cast<int64_t>(count) ||
-      array->type() != idf::ElementType::kFloat64)
-    return {};
-  const auto numbers = array->values<double>();
-  if (!std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); }))
-    return {};
-  return {numbers.begin(), numbers.end()};
-}
-
 /// The first member that is called so and is a pose.
 std::optional<Pose> pose_in(const idf::Data& value, std::string_view prefix) {
   const auto* dict = value.get_if<idf::Dict>();
   if (dict == nullptr) return {};
   for (const idf::DictEntry& entry : *dict) {
     if (!entry.key.starts_with(prefix)) continue;
-    const auto at = numbers_of(member(entry.value, idf::kPositionKey), 3);
-    const auto turn = numbers_of(member(entry.value, idf::kOrientationKey), 4);
-    if (at.empty() || turn.empty()) continue;
+    const auto at = numbers_in(entry.value, idf::kPositionKey, 3);
+    const auto turn = numbers_in(entry.value, idf::kOrientationKey, 4);
+    if (!at || !turn) continue;
     Pose pose = Pose::Identity();
-    pose.linear() =
-        Eigen::Quaterniond(turn[0], turn[1], turn[2], turn[3]).normalized().toRotationMatrix();
-    pose.translation() = Eigen::Vector3d(at[0], at[1], at[2]);
+    pose.linear() = Eigen::Quaterniond((*turn)[0], (*turn)[1], (*turn)[2], (*turn)[3])
+                        .normalized()
+                        .toRotationMatrix();
+    pose.translation() = Eigen::Vector3d((*at)[0], (*at)[1], (*at)[2]);
     return pose;
   }
   return {};
 }
 
-/// A camera without distortion, in cells of an image instead of pixels.
-struct Pinhole {
-  double focal_x = 0, focal_y = 0, centre_x = 0, centre_y = 0;
-  double width = 0, height = 0;  ///< In pixels.
-
-  /// Where a point in front of the camera is. Unit: shares of the width and of the height.
-  [[nodiscard]] Eigen::Vector2d see(const Eigen::Vector3d& point) const {
-    return {(focal_x * point.x() / point.z() + centre_x + 0.5) / width,
-            (focal_y * point.y() / point.z() + centre_y + 0.5) / height};
-  }
-};
-
-std::optional<Pinhole> pinhole_of(const idf::Data& value) {
-  Pinhole camera;
-  const std::array<std::pair<const char*, double*>, 6> members{{{"fx", &camera.focal_x},
-                                                                {"fy", &camera.focal_y},
-                                                                {"cx", &camera.centre_x},
-                                                                {"cy", &camera.centre_y},
-                                                                {"width", &camera.width},
-                                                                {"height", &camera.height}}};
-  for (const auto& [name, number] : members) {
-    const idf::Data* found = member(value, name);
-    const auto told = found == nullptr ? std::nullopt : found->as_number();
-    if (!told || !std::isfinite(*told)) return {};
-    *number = *told;
-  }
-  if (camera.width < 1 || camera.height < 1) return {};
-  return camera;
+/// Where a camera has a point before it in its image. Unit: shares of the width and of the height.
+cv::Point2f seen_at(const ltm::Intrinsics& camera, const Eigen::Vector3d& point) {
+  // The middle of the first pixel is 0.
+  const double u = (camera.fx * point.x() / point.z() + camera.cx + 0.5) / camera.width;
+  const double v = (camera.fy * point.y() / point.z() + camera.cy + 0.5) / camera.height;
+  return {static_cast<float>(u), static_cast<float>(v)};
 }
 
 /// How a thing was at one time.
@@ -118,30 +76,26 @@ struct Thing {
   }
 };
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
-
 /// Where a camera sees a thing.
-TrueSight seen_by(const Pinhole& camera, const Pose& pose_camera_world, const Thing& thing,
+TrueSight seen_by(const ltm::Intrinsics& camera, const Pose& pose_camera_world, const Thing& thing,
                   const ThingMoment& at) {
   TrueSight sight{.kind = thing.kind, .where = at.where, .colour = at.colour};
   const Eigen::Vector3d middle = pose_camera_world * at.pose.translation();
   sight.distance_m = middle.norm();
   if (middle.z() < kMinAhead_m) return sight;
-  const Eigen::Vector2d seen = camera.see(middle);
-  const bool is_inside = seen.x() >= 0 && seen.x() < 1 && seen.y() >= 0 && seen.y() < 1;
+  const cv::Point2f seen = seen_at(camera, middle);
+  const bool is_inside = seen.x >= 0 && seen.x < 1 && seen.y >= 0 && seen.y < 1;
   // Something is before it.
   if (is_inside && !at.is_visible) return sight;
-  std::vector<Eigen::Vector2d> corners;
+  std::vector<cv::Point2f> corners;
   for (int corner = 0; corner < 8; ++corner) {
     const Eigen::Vector3d sign((corner & 1) != 0 ? 0.5 : -0.5, (corner & 2) != 0 ? 0.5 : -0.5,
                                (corner & 4) != 0 ? 0.5 : -0.5);
     const Eigen::Vector3d point = pose_camera_world * (at.pose * sign.cwiseProduct(thing.size_m));
     if (point.z() < kMinAhead_m) return sight;
-    corners.push_back(camera.see(point));
+    corners.push_back(seen_at(camera, point));
   }
-  sight.outline = hull_of(std::move(corners));
+  cv::convexHull(corners, sight.outline);
   sight.is_in_sight = is_inside;
   return sight;
 }
@@ -154,11 +108,11 @@ class PaintedParts {
         columns_(grid.columns * kPaintedParts),
         kinds_(static_cast<size_t>(rows_) * columns_, ImageTruth::kNothing) {}
 
-  void paint(const std::vector<Eigen::Vector2d>& outline, int64_t kind) {
+  void paint(const std::vector<cv::Point2f>& outline, int64_t kind) {
+    const cv::Mat shown = mask_of(outline, {columns_, rows_});
     for (int row = 0; row < rows_; ++row)
       for (int column = 0; column < columns_; ++column)
-        if (is_within(outline, {(column + 0.5) / columns_, (row + 0.5) / rows_}))
-          at(row, column) = kind;
+        if (shown.at<uint8_t>(row, column) != 0) at(row, column) = kind;
   }
 
   /// The kind of a cell, from those of its parts.
@@ -191,43 +145,36 @@ class PaintedParts {
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> hull_of(std::vector<Eigen::Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) {
-    return std::pair(a.x(), a.y()) < std::pair(b.x(), b.y());
-  });
-  std::vector<Eigen::Vector2d> hull;  // By monotone chain.
-  const auto add_half = [&hull](const auto& begin, const auto& end) {
-    const size_t first = hull.size();
-    for (auto point = begin; point != end; ++point) {
-      while (hull.size() >= first + 2 && cross(hull[hull.size() - 2], hull.back(), *point) <= 0)
-        hull.pop_back();
-      hull.push_back(*point);
+cv::Mat mask_of(const std::vector<cv::Point2f>& outline, const cv::Size& size) {
+  cv::Mat mask(size, CV_8UC1, cv::Scalar(0));
+  if (outline.size() < 3) return mask;
+  std::vector<cv::Point2f> in_pixels;
+  for (const cv::Point2f& corner : outline)
+    in_pixels.emplace_back(corner.x * static_cast<float>(size.width),
+                           corner.y * static_cast<float>(size.height));
+  // cv::fillConvexPoly counts the edge, too, which is much of a small thing.
+  const cv::Rect box = cv::boundingRect(in_pixels) & cv::Rect({0, 0}, size);
+  for (int y = box.y; y < box.br().y; ++y)
+    for (int x = box.x; x < box.br().x; ++x) {
+      const cv::Point2f middle(static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F);
+      if (cv::pointPolygonTest(in_pixels, middle, false) >= 0) mask.at<uint8_t>(y, x) = 255;
     }
-    hull.pop_back();
-  };
-  add_half(points.begin(), points.end());
-  add_half(points.rbegin(), points.rend());
-  return hull;
-}
-
-bool is_within(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& point) {
-  for (size_t i = 0; i < hull.size(); ++i)
-    if (cross(hull[i], hull[(i + 1) % hull.size()], point) < 0) return false;
-  return hull.size() >= 3;
+  return mask;
 }
 
 struct TrueSights::State {
   Memory* memory = nullptr;
   std::unique_ptr<KnownFacts> facts;
   std::vector<Thing> things;
-  std::map<std::string, std::optional<Pinhole>> cameras;  ///< By the ID that images link to.
+  std::map<std::string, std::optional<ltm::Intrinsics>>
+      cameras;  ///< By the ID that images link to.
 
   [[nodiscard]] std::optional<ThingMoment> moment_of(Time time, const idf::Data& value,
                                                      SightWords& words) const;
   Status read_thing(const ltm::MemoryId& entity, SightWords& words,
                     std::map<std::string, Eigen::Vector3d>& sizes);
   Result<Eigen::Vector3d> size_of(const std::string& kind);
-  Result<std::optional<Pinhole>> camera(const idf::Data& value);
+  Result<std::optional<ltm::Intrinsics>> camera(const idf::Data& value);
 };
 
 TrueSights::TrueSights(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -240,16 +187,14 @@ std::optional<ThingMoment> TrueSights::State::moment_of(Time time, const idf::Da
   const auto pose = pose_in(value, "pose_world_");
   if (!pose) return {};
   ThingMoment moment{.time = time, .pose = *pose};
-  const idf::Data* visible = member(value, "is_visible");
-  const auto* is_visible = visible == nullptr ? nullptr : visible->get_if<bool>();
-  moment.is_visible = is_visible != nullptr && *is_visible;
-  const std::string hand = text_of(value, "held_by");
+  moment.is_visible = integer_in(value, "is_visible").value_or(0) != 0;
+  const std::string hand = text_in(value, "held_by");
   const Eigen::Vector3d at = pose->translation();
   const KnownPlace* place = facts->world().under({.x = at.x(), .y = at.y(), .z = at.z()});
   std::string where = words_of_hand(hand);
   if (hand.empty() && place != nullptr) where = place->entity.to_string();
   moment.where = static_cast<int64_t>(place_among(words.where, where));
-  if (const std::string colour = text_of(value, "colour"); !colour.empty())
+  if (const std::string colour = text_in(value, "colour"); !colour.empty())
     moment.colour = static_cast<int64_t>(place_among(words.colours, colour));
   return moment;
 }
@@ -266,8 +211,8 @@ Status TrueSights::State::read_thing(const ltm::MemoryId& entity, SightWords& wo
         auto moment = moment_of(snapshot.time, value, words);
         if (!moment) continue;
         thing.moments.push_back(*std::move(moment));
-        const auto of_kind = ltm::MemoryId::parse(text_of(value, "object_class"));
-        if (of_kind.ok()) kind = of_kind->entity().to_string();
+        if (const auto of_kind = link_in(value, "object_class"))
+          kind = of_kind->entity().to_string();
       }
     return {};
   };
@@ -294,20 +239,21 @@ Result<Eigen::Vector3d> TrueSights::State::size_of(const std::string& kind) {
   for (const ltm::EntityResult* entity : found->entities())
     for (const ltm::SnapshotResult& snapshot : entity->snapshots)
       for (const auto& instance : snapshot.instances)
-        if (const auto size = numbers_of(member(instance.data, "size"), 3); !size.empty())
-          return Eigen::Vector3d(size[0], size[1], size[2]);
+        if (const auto size = numbers_in(instance.data, "size", 3))
+          return Eigen::Vector3d((*size)[0], (*size)[1], (*size)[2]);
   return Eigen::Vector3d::Zero().eval();
 }
 
-Result<std::optional<Pinhole>> TrueSights::State::camera(const idf::Data& value) {
-  const std::string link = text_of(value, "calibration");
+Result<std::optional<ltm::Intrinsics>> TrueSights::State::camera(const idf::Data& value) {
+  const std::string link = text_in(value, "calibration");
   const auto known = cameras.find(link);
   if (known != cameras.end()) return known->second;
-  std::optional<Pinhole> camera;
+  std::optional<ltm::Intrinsics> camera;
   if (const auto id = ltm::MemoryId::parse(link); id.ok()) {
     const auto told = facts->value_at(*id);
     if (!told.ok() && told.status().code() != StatusCode::kNotFound) return told.status();
-    if (told.ok()) camera = pinhole_of(*told);
+    if (told.ok()) camera = ltm::intrinsics_in(*told);
+    if (camera && (camera->width < 1 || camera->height < 1)) camera.reset();
   }
   return cameras[link] = camera;
 }
@@ -350,11 +296,14 @@ Result<std::optional<ImageTruth>> TrueSights::of(const LatentImage& image, const
   // However small a thing is, the cell of its middle is its own where no other is before it.
   for (const TrueSight& thing : truth.things) {
     if (!thing.is_in_sight) continue;
-    Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-    for (const Eigen::Vector2d& corner : thing.outline) middle += corner;
-    middle /= static_cast<double>(thing.outline.size());
-    const int row = std::clamp(static_cast<int>(middle.y() * grid.rows), 0, grid.rows - 1);
-    const int column = std::clamp(static_cast<int>(middle.x() * grid.columns), 0, grid.columns - 1);
+    cv::Point2f middle;
+    for (const cv::Point2f& corner : thing.outline) middle += corner;
+    middle /= static_cast<float>(thing.outline.size());
+    const auto cell_of = [](float share, int count) {
+      return std::clamp(static_cast<int>(share * static_cast<float>(count)), 0, count - 1);
+    };
+    const int row = cell_of(middle.y, grid.rows);
+    const int column = cell_of(middle.x, grid.columns);
     int64_t& cell = truth.kinds[static_cast<size_t>(row * grid.columns + column)];
     if (cell < 0) cell = thing.kind;
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
@@ -20,9 +20,9 @@ struct TrueSight {
   int64_t where = 0;
   int64_t colour = kUntold;
   bool is_in_sight = false;
-  /// The corners of its outline, from the left top. Unit: shares of the width and of the height of
-  /// the image. Empty: it is behind the camera, or behind another.
-  std::vector<Eigen::Vector2d> outline;
+  /// The corners of its convex outline, from the left top. Unit: shares of the width and of the
+  /// height of the image. Empty: it is behind the camera, or behind another.
+  std::vector<cv::Point2f> outline;
   double distance_m = 0;
 
   static constexpr int64_t kUntold = -1;
@@ -68,10 +68,8 @@ class TrueSights {
   std::unique_ptr<State> state_;
 };
 
-/// The convex hull of points, in the order of the clock or against it.
-[[nodiscard]] std::vector<Eigen::Vector2d> hull_of(std::vector<Eigen::Vector2d> points);
-/// Whether a point is within a hull of hull_of().
-[[nodiscard]] bool is_within(const std::vector<Eigen::Vector2d>& hull,
-                             const Eigen::Vector2d& point);
+/// 255 where the middle of a pixel of an image of this size is within an outline, else 0.
+/// Shape: uint8 [H, W].
+[[nodiscard]] cv::Mat mask_of(const std::vector<cv::Point2f>& outline, const cv::Size& size);
 
 }  // namespace engram::speech

@@ -28,8 +28,8 @@ idf::NdArray image_with(const Pixel& colour) {
 ImageTruth truth_with(int64_t colour) {
   ImageTruth truth;
   truth.things.push_back({.kind = 0, .where = 1, .colour = colour, .is_in_sight = true});
-  truth.things.back().outline =
-      hull_of({{0.125, 0.375}, {0.375, 0.375}, {0.375, 0.625}, {0.125, 0.625}});
+  truth.things.back().outline = {
+      {0.125F, 0.375F}, {0.375F, 0.375F}, {0.375F, 0.625F}, {0.125F, 0.625F}};
   truth.kinds.assign(kGrid.cells(), ImageTruth::kNothing);
   truth.kinds[4] = 0;
   return truth;
@@ -89,14 +89,6 @@ TEST(ChangeImage, LeavesTheValueAroundAnImageAsItIs) {
   EXPECT_EQ(*changed.at("camera"), *value.at("camera"));
   EXPECT_EQ(pixel_at(*image_in(changed), 5, 15)[2], 190);
   EXPECT_EQ(image_in(idf::Data(std::string("no image"))), nullptr);
-}
-
-TEST(Hull, ContainsWhatIsWithin) {
-  const auto hull = hull_of({{0, 0}, {1, 0}, {0.5, 0.4}, {1, 1}, {0, 1}});
-  EXPECT_EQ(hull.size(), 4U);
-  EXPECT_TRUE(is_within(hull, {0.5, 0.2}));
-  EXPECT_FALSE(is_within(hull, {1.2, 0.2}));
-  EXPECT_FALSE(is_within({}, {0.5, 0.5}));
 }
 
 }  // namespace
