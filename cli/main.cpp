@@ -153,7 +153,7 @@ constexpr std::array<std::pair<std::string_view, const char*>, 18> kInterruptNot
     {"learn-sights", "the file is as it was"},
     {"map", "a file or a map is whole, or not there"},
     {"notice", "nothing is recorded, or all of it"},
-    {"notice-sights", "nothing is recorded, or all of it"},
+    {"notice-sights", "what was recorded stays, and is not recorded again"},
     {"recover", "the copy is unfinished; the source is as it was"},
     {"redact", "each snapshot is in its old or its new form; the same command goes on"},
     {"reflect", "nothing is recorded, or all of it"},

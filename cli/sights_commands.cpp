@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// What images show, told from their latents: learning to see it, and looking for it.
 #include <memory>
 
 #include "cli/command.h"
@@ -121,8 +122,11 @@ Status notice(const NoticeSightsArguments& arguments) {
   if (arguments.is_json) {
     Json sightings = Json::array();
     for (const speech::Sighting& one : found->sightings) sightings.push_back(sighting_json(one));
+    Json known = Json::array();
+    for (const ltm::MemoryId& kind : found->known) known.push_back(kind.to_string());
     print_json({{"images", found->images},
                 {"others", found->others},
+                {"known", std::move(known)},
                 {"sightings", std::move(sightings)},
                 {"committed", committed}});
     return {};

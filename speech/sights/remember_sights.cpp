@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "ltm/idf/type.h"
 #include "speech/facts/known_facts.h"
@@ -13,6 +14,8 @@ namespace {
 
 /// The middle of a thing is about so far above what it stands on.
 constexpr double kAbove_m = 0.1;
+/// A day has a million sightings. So many are committed together.
+constexpr size_t kMaxCommitted = 4096;
 
 idf::Data numbers_as_data(std::vector<double> values) {
   const auto count = static_cast<int64_t>(values.size());
@@ -71,6 +74,12 @@ Result<size_t> remember_sights(Memory& memory, const std::vector<Sighting>& sigh
   ENGRAM_ASSIGN_OR_RETURN(const auto facts, KnownFacts::read(memory));
   ENGRAM_ASSIGN_OR_RETURN(auto known, committed_before(memory));
   ltm::Commit commit;
+  size_t count = 0;
+  const auto flush = [&]() -> Status {
+    if (commit.updates.empty()) return {};
+    count += commit.updates.size();
+    return memory.commit(std::exchange(commit, {}));
+  };
   for (const Sighting& sighting : sightings) {
     ENGRAM_ASSIGN_OR_RETURN(const ltm::MemoryId thing, thing_of(sighting.kind));
     if (!known.emplace(thing, sighting.time).second) continue;
@@ -80,9 +89,9 @@ Result<size_t> remember_sights(Memory& memory, const std::vector<Sighting>& sigh
     metadata.created = sighting.time;
     metadata.provider = kSightsProvider;
     metadata.confidence = static_cast<float>(sighting.probability);
+    if (commit.updates.size() == kMaxCommitted) ENGRAM_RETURN_IF_ERROR(flush());
   }
-  const size_t count = commit.updates.size();
-  if (count > 0) ENGRAM_RETURN_IF_ERROR(memory.commit(commit));
+  ENGRAM_RETURN_IF_ERROR(flush());
   return count;
 }
 
